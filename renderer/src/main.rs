@@ -1,0 +1,2 @@
+//! penumbra
+fn main() {}

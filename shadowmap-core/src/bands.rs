@@ -1,0 +1,101 @@
+//! Work split into bands of rows that threads never share.
+
+/// How bands are run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Threads {
+    /// One after another on the calling thread.
+    #[cfg_attr(not(feature = "rayon"), default)]
+    One,
+    /// On the rayon pool that the call is made from (by default the global one).
+    #[cfg(feature = "rayon")]
+    #[default]
+    Pool,
+}
+
+/// Something that can be cut between two bands. Tuples are cut alike in all their parts.
+pub trait Bands: Send + Sized {
+    /// How many bands there are.
+    fn count(&self) -> usize;
+    /// The first `bands` bands, and the rest.
+    fn split_at(self, bands: usize) -> (Self, Self);
+}
+
+/// A slice cut into bands of `len` elements, the last one possibly shorter.
+#[derive(Debug)]
+pub struct BandSlice<'a, T> {
+    /// The elements of all bands.
+    pub data: &'a mut [T],
+    /// Elements per band, at least 1.
+    pub len: usize,
+}
+
+impl<T: Send> Bands for BandSlice<'_, T> {
+    fn count(&self) -> usize {
+        self.data.len().div_ceil(self.len)
+    }
+    fn split_at(self, bands: usize) -> (Self, Self) {
+        let at = (bands * self.len).min(self.data.len());
+        let (head, tail) = self.data.split_at_mut(at);
+        (BandSlice { data: head, len: self.len }, BandSlice { data: tail, len: self.len })
+    }
+}
+
+macro_rules! tuple_bands {
+    ($($name:ident $index:tt),+) => {
+        impl<$($name: Bands),+> Bands for ($($name,)+) {
+            fn count(&self) -> usize {
+                self.0.count()
+            }
+            fn split_at(self, bands: usize) -> (Self, Self) {
+                let cut = ($(self.$index.split_at(bands),)+);
+                (($(cut.$index.0,)+), ($(cut.$index.1,)+))
+            }
+        }
+    };
+}
+tuple_bands!(A 0, B 1);
+tuple_bands!(A 0, B 1, C 2);
+tuple_bands!(A 0, B 1, C 2, D 3);
+
+/// Calls `work(index, band)` for every band of `bands`; each call owns its band alone.
+///
+/// The order of the calls is not fixed, so that results must not depend on it. Nothing is
+/// allocated.
+///
+/// ```
+/// use shadowmap_core::{BandSlice, Threads, for_each_band};
+/// let mut rows = [0; 12];
+/// for_each_band(Threads::One, BandSlice { data: &mut rows, len: 4 }, &|index, band| {
+///     band.data.fill(index);
+/// });
+/// assert_eq!(rows, [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]);
+/// ```
+pub fn for_each_band<B: Bands>(threads: Threads, bands: B, work: &(impl Fn(usize, B) + Sync)) {
+    let count = bands.count();
+    match threads {
+        Threads::One => in_order(0, count, bands, work),
+        #[cfg(feature = "rayon")]
+        Threads::Pool => on_pool(0, count, bands, work),
+    }
+}
+
+fn in_order<B: Bands>(first: usize, count: usize, mut bands: B, work: &impl Fn(usize, B)) {
+    for index in first..first + count {
+        let (band, rest) = bands.split_at(1);
+        work(index, band);
+        bands = rest;
+    }
+}
+
+#[cfg(feature = "rayon")]
+fn on_pool<B: Bands>(first: usize, count: usize, bands: B, work: &(impl Fn(usize, B) + Sync)) {
+    if count <= 1 {
+        return in_order(first, count, bands, work);
+    }
+    let half = count / 2;
+    let (head, tail) = bands.split_at(half);
+    rayon::join(
+        || on_pool(first, half, head, work),
+        || on_pool(first + half, count - half, tail, work),
+    );
+}
