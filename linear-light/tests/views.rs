@@ -1,0 +1,122 @@
+//! Rectified views: one window, rows in common, frusta that leave no receiver out.
+
+use glam::Vec3;
+use linear_light::{MAX_TANGENT, RectifiedLight, SampleViews};
+use proptest::prelude::*;
+use shadowmap_core::Window;
+
+const GROUND: [Vec3; 4] = [
+    Vec3::new(-5.0, 0.0, -5.0),
+    Vec3::new(5.0, 0.0, -5.0),
+    Vec3::new(5.0, 0.0, 5.0),
+    Vec3::new(-5.0, 0.0, 5.0),
+];
+
+fn room() -> impl Iterator<Item = Vec3> + Clone {
+    (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 6.0 - 3.0)
+}
+
+#[test]
+fn a_point_moves_along_its_row_by_the_disparity() {
+    let (a, b) = (Vec3::new(-1.0, 4.0, 0.5), Vec3::new(1.2, 4.3, 0.0));
+    let light = RectifiedLight::fit(a, b, 4, [512, 256], GROUND.into_iter());
+    assert_eq!(light.frusta().len(), 1);
+    let views = &light.frusta()[0];
+    for p in [Vec3::new(0.3, 1.0, -0.2), Vec3::new(-2.0, 0.0, 1.0), Vec3::new(4.0, 0.5, 3.0)] {
+        let normal = Vec3::new(0.2, 0.9, -0.3).normalize();
+        let first = views.light_point(p, normal).unwrap();
+        for (k, view) in views.views().iter().enumerate() {
+            let seen = view.light_point(p, normal).unwrap();
+            let carried = views.in_sample(&first, k);
+            assert!((seen.u - carried.u).abs() < 1e-3, "{seen:?} {carried:?}");
+            assert!((seen.v - carried.v).abs() < 1e-3);
+            assert!((seen.nearness - carried.nearness).abs() < 1e-6);
+            assert!(seen.slope.distance(carried.slope) < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn every_sample_sees_every_point() {
+    let (a, b) = (Vec3::new(-1.0, 4.0, 0.0), Vec3::new(1.0, 4.0, 0.0));
+    let points = GROUND.into_iter().chain([Vec3::new(-0.5, 3.0, 0.3), Vec3::new(0.7, 3.5, -0.2)]);
+    let light = RectifiedLight::fit(a, b, 3, [512, 512], points.clone());
+    let [views] = light.frusta() else { panic!("one frustum was enough") };
+    assert_eq!(views.views()[0].eye(), [-1.0, 4.0, 0.0, 1.0]);
+    assert_eq!(views.views()[1].eye(), [0.0, 4.0, 0.0, 1.0]);
+    assert_eq!(views.views()[2].eye(), [1.0, 4.0, 0.0, 1.0]);
+    for view in views.views() {
+        for p in points.clone() {
+            let seen = view.texel_from_world(p).unwrap();
+            // Two texels are left for neighbours.
+            assert!(seen.x >= 1.99 && seen.x <= 510.01 && seen.y >= 1.99 && seen.y <= 510.01);
+            assert!(seen.z < view.max_nearness());
+        }
+    }
+}
+
+#[test]
+fn a_light_in_the_room_has_four_frusta_that_share_the_room_out() {
+    let (a, b) = (Vec3::new(-0.5, 0.2, 0.1), Vec3::new(0.5, 0.2, 0.1));
+    let light = RectifiedLight::fit(a, b, 2, [256, 256], room());
+    assert_eq!(light.frusta().len(), 4);
+    let mut beyond = 0;
+    for i in 0..4096 {
+        let p = Vec3::new((i % 16) as f32, (i / 16 % 16) as f32, (i / 256) as f32) * 0.39 - 2.9;
+        let views = &light.frusta()[light.frustum_of(p)];
+        for view in views.views() {
+            let seen = view.texel_from_world(p).expect("in front of its own frustum");
+            assert!(seen.y >= 1.9 && seen.y <= 254.1, "{p} {seen}");
+            let inside = seen.x >= 1.9 && seen.x <= 254.1;
+            let across = (p - a).reject_from(Vec3::X).length();
+            let along = (p.x - view.eye()[0]).abs();
+            // Outside the windows are the end caps alone: 14 degrees, at a corner 19.
+            assert!(inside || along > across * (MAX_TANGENT as f32) * 0.7);
+            beyond += usize::from(!inside);
+        }
+    }
+    assert!(beyond > 0 && beyond < 200, "{beyond}");
+}
+
+#[test]
+fn a_light_close_above_a_floor_has_two_frusta() {
+    let (a, b) = (Vec3::new(-1.0, 0.6, 0.0), Vec3::new(1.0, 0.6, 0.0));
+    let light = RectifiedLight::fit(a, b, 2, [256, 256], GROUND.into_iter());
+    assert_eq!(light.frusta().len(), 2);
+    for i in 0..400 {
+        let p = Vec3::new((i % 20) as f32 * 0.1 - 0.95, 0.0, (i / 20) as f32 * 0.5 - 4.75);
+        let views = &light.frusta()[light.frustum_of(p)];
+        for view in views.views() {
+            let seen = view.texel_from_world(p).expect("in front of its own frustum");
+            assert!(seen.x >= 1.9 && seen.x <= 254.1 && seen.y >= 1.9 && seen.y <= 254.1);
+            assert!(seen.z < view.max_nearness());
+        }
+    }
+}
+
+#[test]
+fn a_sample_in_between_and_other_counts_keep_the_window() {
+    let window = Window { left: -1.0, top: -0.5, right: 2.0, bottom: 0.7 };
+    let (a, b) = (Vec3::new(0.0, 4.0, 0.0), Vec3::new(2.0, 4.0, 0.0));
+    let three = SampleViews::new(a, b, 3, Vec3::NEG_Y, window, [64, 64], 0.1);
+    assert_eq!(three.view_at(0.5), three.views()[1]);
+    let five = three.with_samples(5);
+    assert_eq!(five.views()[2], three.views()[1]);
+    assert_eq!(five.disparity(), three.disparity() * 0.5);
+}
+
+proptest! {
+    #[test]
+    fn any_floats(
+        v in proptest::array::uniform12(any::<f32>()),
+        samples in 2_usize..5,
+    ) {
+        let p = [Vec3::from_slice(&v[6..]), Vec3::from_slice(&v[9..])];
+        let (a, b) = (Vec3::from_slice(&v), Vec3::from_slice(&v[3..]));
+        let light = RectifiedLight::fit(a, b, samples, [16, 16], p.into_iter());
+        prop_assert!(light.frustum_of(p[0]) < light.frusta().len());
+        if let Some(point) = light.frusta()[0].light_point(p[0], p[1]) {
+            let _ = light.frusta()[0].in_sample(&point, samples - 1);
+        }
+    }
+}
