@@ -1,3 +1,6 @@
 //! Pictures.
 
+pub mod builtin;
 pub mod scene;
+pub mod shapes;
+mod show;
