@@ -1,0 +1,37 @@
+//! What machine and compiler the figures are from.
+
+use serde::{Deserialize, Serialize};
+use shadowmap_core::Level;
+
+/// What a figure depends on besides the code.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Machine {
+    /// Name of the processor.
+    pub cpu: String,
+    /// Hardware threads.
+    pub threads: usize,
+    /// SIMD levels, the widest last.
+    pub levels: Vec<String>,
+    /// The compiler's version.
+    pub compiler: String,
+}
+
+impl Machine {
+    /// This machine.
+    pub fn this() -> Machine {
+        let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let cpu = cpuinfo.lines().find_map(|line| line.strip_prefix("model name"));
+        let cpu =
+            cpu.map_or(std::env::consts::ARCH, |line| line.trim_start_matches([' ', '\t', ':']));
+        let compiler = std::process::Command::new("rustc").arg("--version").output();
+        Machine {
+            cpu: cpu.to_owned(),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            levels: Level::available().map(|level| level.kind().name().to_owned()).collect(),
+            compiler: compiler.map_or_else(
+                |_| "unknown".to_owned(),
+                |output| String::from_utf8_lossy(&output.stdout).trim().to_owned(),
+            ),
+        }
+    }
+}

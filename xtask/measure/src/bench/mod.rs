@@ -1,0 +1,45 @@
+//! `cargo xtask bench`: times every stage, checked first, variants in turn.
+
+mod harness;
+mod machine;
+mod options;
+mod report;
+
+pub use harness::{Bench, Group, Variant};
+
+use std::process::ExitCode;
+
+use options::Options;
+
+/// A part of the benchmark: its name on the command line, and what runs it.
+type Part = (&'static str, fn(&mut Bench));
+
+/// One part per stage, in the order of the data.
+const PARTS: &[Part] = &[];
+
+/// Runs the command.
+pub fn run(arguments: &[String]) -> ExitCode {
+    let names: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
+    let options = match Options::parse(arguments, &names) {
+        Ok(options) => options,
+        Err(message) => {
+            eprintln!("{message}");
+            return ExitCode::from(2);
+        }
+    };
+    let mut bench = Bench::new(options.quick);
+    for (name, part) in PARTS {
+        if options.parts.is_empty() || options.parts.iter().any(|chosen| chosen == name) {
+            bench.begin_part(name);
+            part(&mut bench);
+        }
+    }
+    let results = bench.finish();
+    match report::write(&results, &options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("bench: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

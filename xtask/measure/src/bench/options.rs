@@ -1,0 +1,62 @@
+//! The command line of the benchmark.
+
+use std::path::PathBuf;
+
+/// What the command line asks for.
+pub struct Options {
+    /// Parts to run; empty: all.
+    pub parts: Vec<String>,
+    /// Fewer sizes and rounds.
+    pub quick: bool,
+    /// Where results go.
+    pub folder: PathBuf,
+    /// Earlier results to compare with.
+    pub compare: Option<PathBuf>,
+}
+
+impl Options {
+    /// Reads the command line.
+    ///
+    /// # Errors
+    ///
+    /// The help, or what is wrong.
+    pub fn parse(arguments: &[String], parts: &[&str]) -> Result<Options, String> {
+        let mut options = Options {
+            parts: Vec::new(),
+            quick: false,
+            folder: PathBuf::from("target/bench"),
+            compare: None,
+        };
+        let mut rest = arguments.iter();
+        while let Some(argument) = rest.next() {
+            let mut value = || {
+                rest.next().map(PathBuf::from).ok_or(format!("bench: {argument} needs a file name"))
+            };
+            match argument.as_str() {
+                "--quick" => options.quick = true,
+                "--out" => options.folder = value()?,
+                "--compare" => options.compare = Some(value()?),
+                part if parts.contains(&part) => options.parts.push(part.to_owned()),
+                "--help" | "-h" => return Err(help(parts)),
+                other => return Err(format!("bench: unknown `{other}`\n\n{}", help(parts))),
+            }
+        }
+        Ok(options)
+    }
+}
+
+fn help(parts: &[&str]) -> String {
+    format!(
+        "cargo xtask bench [PART ...] [options]
+
+Times the stages of the workspace. Each is checked against its oracle first; variants that are
+compared run in turn within one process, so that ratios hold on a noisy machine.
+
+Parts: {}
+
+  --quick            fewer sizes and rounds, under 90 s
+  --out DIR          where bench.json and bench.html go (target/bench)
+  --compare FILE     an earlier bench.json: shows what changed",
+        parts.join(", ")
+    )
+}
