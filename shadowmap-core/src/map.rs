@@ -26,9 +26,9 @@ impl<'a> DepthMap<'a> {
         nearness: &'a [f32],
         ids: &'a [u32],
     ) -> Result<Self, MapError> {
-        check(width, height, "nearness", nearness.len())?;
+        MapError::check(width, height, "nearness", nearness.len())?;
         if !ids.is_empty() {
-            check(width, height, "ids", ids.len())?;
+            MapError::check(width, height, "ids", ids.len())?;
         }
         Ok(DepthMap { width, height, nearness, ids })
     }
@@ -82,7 +82,7 @@ impl<'a> PackedMap<'a> {
     ///
     /// If the slice has another length than the size says.
     pub fn new(width: u32, height: u32, texels: &'a [u32]) -> Result<Self, MapError> {
-        check(width, height, "texels", texels.len())?;
+        MapError::check(width, height, "texels", texels.len())?;
         Ok(PackedMap { width, height, texels })
     }
     /// Packs one texel. `nearness / max_nearness` in \[0, 1\] becomes 24 bits, rounded down, so
@@ -126,7 +126,19 @@ impl fmt::Display for MapError {
 
 impl core::error::Error for MapError {}
 
-fn check(width: u32, height: u32, what: &'static str, found: usize) -> Result<(), MapError> {
-    let expected = u64::from(width) * u64::from(height);
-    if found as u64 == expected { Ok(()) } else { Err(MapError { what, expected, found }) }
+impl MapError {
+    /// Checks that `found` elements are `width * height`; `what` names the slice in the message.
+    ///
+    /// # Errors
+    ///
+    /// If they are not.
+    pub fn check(
+        width: u32,
+        height: u32,
+        what: &'static str,
+        found: usize,
+    ) -> Result<(), MapError> {
+        let expected = u64::from(width) * u64::from(height);
+        if found as u64 == expected { Ok(()) } else { Err(MapError { what, expected, found }) }
+    }
 }
