@@ -9,6 +9,7 @@
 //! * [`Light`]: point, sphere, sun, linear, triangle, rectangle.
 //! * [`LightPoint`]: a receiver as a light's map sees it, position and tangent plane, and the
 //!   [`Bias`] that needs no tuning.
+//! * [`Camera`] and [`Warp`]: the receivers as a camera sees them, and their way into a light's map.
 //! * [`Level`]: which SIMD instructions this machine has.
 //! * [`Threads`] and [`for_each_band`]: work split into bands of rows that never share one.
 //!
@@ -40,18 +41,22 @@ extern crate std;
 
 mod bands;
 mod bias;
+mod camera;
 mod level;
 mod light;
 mod map;
 mod mesh;
 mod receiver;
 mod view;
+mod warp;
 
 pub use bands::{BandSlice, Bands, Threads, for_each_band};
 pub use bias::Bias;
+pub use camera::{Camera, SizeError, Surface, Surfaces};
 pub use level::{Level, LevelKind};
 pub use light::Light;
 pub use map::{DepthMap, MapError, PackedMap};
 pub use mesh::Mesh;
 pub use receiver::{HardShadow, LightPoint, hard_shadow};
 pub use view::{Projection, View, Window};
+pub use warp::{Plane, Warp};

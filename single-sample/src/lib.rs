@@ -47,6 +47,7 @@ mod math;
 pub mod paper;
 mod receiver;
 
-pub use camera::{Camera, LightMap, SizeError, Surface, Surfaces, Texels};
+pub use camera::{LightMap, Texels};
 pub use counters::Counters;
 pub use mask::Visibility;
+pub use shadowmap_core::{Camera, SizeError, Surface, Surfaces};

@@ -16,11 +16,11 @@
 //! * The constant layer of section 3.2 is replaced by the receiver's tangent plane. Receivers
 //!   without a normal ([`crate::Surface::UNKNOWN`]) keep the constant layer.
 
-use shadowmap_core::{BandSlice, Bias, LightPoint, Threads, View, for_each_band};
+use shadowmap_core::{BandSlice, Bias, LightPoint, Threads, View, Warp, for_each_band};
 
 use crate::counters::Tally;
 use crate::math::sqrt;
-use crate::receiver::{Receiver, Warp};
+use crate::receiver::Receiver;
 use crate::{Camera, Counters, LightMap, Texels, Visibility};
 
 /// Which sides of the hard edge are softened.
@@ -107,7 +107,7 @@ pub fn visibility<T: Visibility>(
     for_each_band(threads, BandSlice { data: out, len: width as usize }, &|y, row| {
         let mut counters = Counters::default();
         for (x, out) in row.data.iter_mut().enumerate() {
-            let pixel = camera.receiver(x as u32, y as u32, &warp, light.view());
+            let pixel = Receiver::of(camera, x as u32, y as u32, &warp, light.view());
             *out =
                 T::from_unit(pixel.map_or(0.0, |receiver| {
                     one_pixel(light, &receiver, parameters, &mut counters)
