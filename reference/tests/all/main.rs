@@ -1,0 +1,6 @@
+//! Naive oracles first, then answers known on paper.
+
+mod brute;
+mod cache;
+mod paper;
+mod scenes;
