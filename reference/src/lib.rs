@@ -3,8 +3,11 @@
 //! A [`Tracer`] answers one question: what fraction of a light does a point of a surface see? It
 //! answers for every kind of light, with samples that [`Samples`] places, and with the same bits
 //! on every machine and for any number of threads. [`truth::cached`] keeps the answers for whole
-//! images on disk. [`point_lights`] places the N point lights that the papers on soft shadow maps
-//! compare themselves with.
+//! images on disk.
+//!
+//! Beside the truth stand the baselines that work on the same depth maps as the methods of the
+//! workspace: [`point_lights`] places the N point lights that the papers compare themselves with,
+//! [`Pcf`] and [`Pcss`] are what most people use today.
 //!
 //! # How 4096 rays per receiver are fast
 //!
@@ -23,10 +26,14 @@
 mod bvh;
 mod cone;
 mod mask;
+mod pcf;
+mod pcss;
 mod sampling;
 mod shaft;
 mod tracer;
 pub mod truth;
 
+pub use pcf::Pcf;
+pub use pcss::Pcss;
 pub use sampling::{Samples, point_lights};
 pub use tracer::{Cutouts, RAY_OFFSET, Receivers, Tracer};

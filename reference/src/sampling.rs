@@ -130,22 +130,28 @@ pub(crate) fn unit_points(light: &Light, samples: Samples, receiver: u32, out: &
             let place = |i| [stratum(i, random(seed, receiver, i, 0), count), 0.0];
             out.extend((0..count).map(place));
         }
-        (_, Samples::Fixed(_)) => {
-            let place = |i| warp(light, stratum(i, 0.5, count), radical_inverse(i, count));
-            out.extend((0..count).map(place));
-        }
-        (_, Samples::Jittered { seed, .. }) => {
-            let a = (1..=count).take_while(|a| a * a <= count).filter(|a| count.is_multiple_of(*a));
-            let a = a.last().unwrap_or(1);
-            let b = count / a;
-            let place = |i| {
-                let x = stratum(i % a, random(seed, receiver, i, 0), a);
-                let y = stratum(i / a, random(seed, receiver, i, 1), b);
-                warp(light, x, y)
-            };
-            out.extend((0..count).map(place));
-        }
+        _ => out.extend(unit_square(samples, receiver).map(|point| warp(light, point))),
     }
+}
+
+/// The samples of the unit square for receiver number `receiver`.
+pub(crate) fn unit_square(
+    samples: Samples,
+    receiver: u32,
+) -> impl ExactSizeIterator<Item = [f32; 2]> {
+    let count = samples.count();
+    let divisors = (1..=count).take_while(|a| a * a <= count).filter(|a| count.is_multiple_of(*a));
+    let columns = divisors.last().unwrap_or(1);
+    (0..count as usize).map(move |i| {
+        let i = i as u32;
+        match samples {
+            Samples::Fixed(_) => [stratum(i, 0.5, count), radical_inverse(i, count)],
+            Samples::Jittered { seed, .. } => [
+                stratum(i % columns, random(seed, receiver, i, 0), columns),
+                stratum(i / columns, random(seed, receiver, i, 1), count / columns),
+            ],
+        }
+    })
 }
 
 fn stratum(i: u32, offset: f64, count: u32) -> f32 {
@@ -158,9 +164,9 @@ fn radical_inverse(i: u32, count: u32) -> f32 {
 }
 
 /// From the unit square to the light's coordinates, areas kept.
-fn warp(light: &Light, x: f32, y: f32) -> [f32; 2] {
+fn warp(light: &Light, [x, y]: [f32; 2]) -> [f32; 2] {
     match light {
-        Light::Sphere { .. } | Light::Sun { .. } => concentric(f64::from(x), f64::from(y)),
+        Light::Sphere { .. } | Light::Sun { .. } => concentric(x, y),
         Light::Triangle { .. } => {
             let root = x.sqrt();
             [1.0 - root, y * root]
@@ -170,8 +176,8 @@ fn warp(light: &Light, x: f32, y: f32) -> [f32; 2] {
 }
 
 /// From the unit square to the unit disc (Shirley and Chiu 1997).
-fn concentric(x: f64, y: f64) -> [f32; 2] {
-    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+pub(crate) fn concentric(x: f32, y: f32) -> [f32; 2] {
+    let (a, b) = (2.0 * f64::from(x) - 1.0, 2.0 * f64::from(y) - 1.0);
     let (r, phi) = if a.abs() > b.abs() {
         (a, PI / 4.0 * (b / a))
     } else if b != 0.0 {

@@ -1,5 +1,6 @@
 //! Naive oracles first, then answers known on paper.
 
+mod baselines;
 mod brute;
 mod cache;
 mod paper;
