@@ -19,12 +19,12 @@ impl Cone {
     /// The cone of a triangle with corners relative to the eye. `None` if it is seen edge-on, has
     /// no area, or has a corner that is not finite.
     pub fn new([a, b, c]: [DVec3; 3]) -> Option<Cone> {
-        let planes = [b.cross(c), c.cross(a), a.cross(b)];
-        let volume = a.dot(planes[0]);
+        let [n, m, k] = [b.cross(c), c.cross(a), a.cross(b)];
+        let volume = a.dot(n);
         if volume > 0.0 {
-            Some(Cone { planes, volume })
+            Some(Cone { planes: [n, m, k], volume })
         } else if volume < 0.0 {
-            Some(Cone { planes: planes.map(|n| -n), volume: -volume })
+            Some(Cone { planes: [-n, -m, -k], volume: -volume })
         } else {
             None
         }

@@ -25,6 +25,7 @@
 
 mod bvh;
 mod cone;
+mod light_samples;
 mod mask;
 mod pcf;
 mod pcss;

@@ -20,9 +20,11 @@ impl HalfPlane {
     /// they are not finite.
     pub fn new(c: f64, gx: f64, gy: f64) -> Option<HalfPlane> {
         let largest = c.abs().max(gx.abs()).max(gy.abs());
-        let [c, gx, gy] =
-            if largest > 0.0 { [c, gx, gy].map(|k| (k / largest) as f32) } else { [0.0; 3] };
-        (c.is_finite() && gx.is_finite() && gy.is_finite()).then_some(HalfPlane { c, gx, gy })
+        let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+        let plane =
+            HalfPlane { c: (c * scale) as f32, gx: (gx * scale) as f32, gy: (gy * scale) as f32 };
+        let finite = plane.c.is_finite() && plane.gx.is_finite() && plane.gy.is_finite();
+        finite.then_some(plane)
     }
 
     fn at(&self, x: f32, y: f32) -> f32 {
@@ -45,13 +47,13 @@ pub(crate) struct Region {
 }
 
 impl Region {
-    /// The region within the bounds of the samples of `tree`; `None` if that is surely empty.
-    pub fn new(planes: &[Option<HalfPlane>], tree: &SampleTree) -> Option<Region> {
+    /// The region within the bounds of a light; `None` if that is surely empty.
+    pub fn new(planes: &[Option<HalfPlane>], bounds: &Bounds) -> Option<Region> {
         let nothing = HalfPlane { c: 0.0, gx: 0.0, gy: 0.0 };
         let mut region = Region { planes: [nothing; 4], count: 0 };
         for &plane in planes {
             let plane = plane?;
-            let [low, high] = plane.range(&tree.bounds);
+            let [low, high] = plane.range(bounds);
             if high < 0.0 {
                 return None;
             }
@@ -88,10 +90,11 @@ impl Region {
     }
 }
 
+/// A box in the light's coordinates.
 #[derive(Clone, Copy, Debug, Default)]
-struct Bounds {
-    center: [f32; 2],
-    half: [f32; 2],
+pub(crate) struct Bounds {
+    pub center: [f32; 2],
+    pub half: [f32; 2],
 }
 
 impl Bounds {
@@ -106,6 +109,12 @@ impl Bounds {
         let center = [0, 1].map(|i| (low[i] + high[i]) * 0.5);
         let half = [0, 1].map(|i| (high[i] - center[i]).max(center[i] - low[i]));
         Bounds { center, half }
+    }
+
+    /// The four corners, in order around the middle.
+    pub fn corners(&self) -> [[f32; 2]; 4] {
+        let Bounds { center: [x, y], half: [dx, dy] } = *self;
+        [[x - dx, y - dy], [x + dx, y - dy], [x + dx, y + dy], [x - dx, y + dy]]
     }
 }
 
@@ -123,7 +132,6 @@ struct Row {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SampleTree {
     points: Vec<[f32; 2]>,
-    bounds: Bounds,
     levels: Vec<Vec<Row>>,
 }
 
@@ -132,7 +140,6 @@ impl SampleTree {
     pub fn rebuild(&mut self, points: &[[f32; 2]]) {
         self.points.clear();
         self.points.extend_from_slice(points);
-        self.bounds = Bounds::around(points.iter().copied());
         let mut level = 0;
         let mut reach = 1;
         while level == 0 || self.levels[level - 1].len() > 1 {
@@ -169,12 +176,6 @@ impl SampleTree {
         points.sort_by_key(|&[x, y]| quantized(x) | (quantized(y) << 1));
     }
 
-    /// The light's coordinates of the middle of all samples and of the four corners around them.
-    pub fn corners(&self) -> [[f32; 2]; 5] {
-        let Bounds { center: [x, y], half: [dx, dy] } = self.bounds;
-        [[x, y], [x - dx, y - dy], [x + dx, y - dy], [x + dx, y + dy], [x - dx, y + dy]]
-    }
-
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.points.len()
@@ -207,6 +208,11 @@ impl Mask {
     /// Whether no sample is open.
     pub fn is_full(&self) -> bool {
         self.blocked.last().is_none_or(|top| top[0] == u16::MAX)
+    }
+
+    /// Whether sample number `index` is open.
+    pub fn is_open(&self, index: usize) -> bool {
+        self.blocked[0][index / LANES] & (1 << (index % LANES)) == 0
     }
 
     /// How many samples are open.

@@ -5,6 +5,8 @@ use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use shadowmap_core::Light;
 
+use crate::mask::Bounds;
+
 /// How many points of a light are tried per receiver, and how they are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Samples {
@@ -115,6 +117,17 @@ fn disc_axes(d: DVec3) -> [DVec3; 2] {
         DVec3::new(s * d.z * d.x * k, -s * d.z, 1.0 + s * d.z * d.z * k),
         DVec3::new(s + d.x * d.x * k, -d.x, d.z * d.x * k),
     ]
+}
+
+/// The light's coordinates of all of its points.
+pub(crate) fn bounds(light: &Light) -> Bounds {
+    let [center, half] = match light {
+        Light::Point { .. } => [[0.0, 0.0], [0.0, 0.0]],
+        Light::Linear { .. } => [[0.5, 0.0], [0.5, 0.0]],
+        Light::Sphere { .. } | Light::Sun { .. } => [[0.0, 0.0], [1.0, 1.0]],
+        _ => [[0.5, 0.5], [0.5, 0.5]],
+    };
+    Bounds { center, half }
 }
 
 /// The light's coordinates of all samples for receiver number `receiver`.

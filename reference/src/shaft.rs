@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::mask::SampleTree;
+use crate::mask::Bounds;
 use crate::sampling::LightRays;
 
 /// More than double precision loses in a shaft's planes, relative to all that goes into them.
@@ -22,10 +22,11 @@ pub(crate) struct Shaft {
 }
 
 impl Shaft {
-    /// Around the rays from `eye` to all samples in `tree`, in a scene with coordinates up to
+    /// Around the rays from `eye` to a light of such bounds, in a scene with coordinates up to
     /// `extent`.
-    pub fn new(eye: DVec3, rays: &LightRays, tree: &SampleTree, extent: f64) -> Shaft {
-        let [middle, corners @ ..] = tree.corners().map(|point| rays.to(point));
+    pub fn new(eye: DVec3, rays: &LightRays, bounds: &Bounds, extent: f64) -> Shaft {
+        let middle = rays.to(bounds.center);
+        let corners = bounds.corners().map(|point| rays.to(point));
         let [a, b, c, d] = corners;
         let sides = if a == c {
             // A single ray: two planes hold it, from both sides.

@@ -7,15 +7,16 @@ use shadowmap_core::{BandSlice, Light, Mesh, Projection, Threads, View, for_each
 
 use crate::bvh::{Bvh, Leaf, Shaft, Stack};
 use crate::cone::Cone;
-use crate::mask::{HalfPlane, Mask, Region, SampleTree};
-use crate::sampling::{LightRays, Samples, unit_points};
+use crate::light_samples::LightSamples;
+use crate::mask::{HalfPlane, Region};
+use crate::sampling::{LightRays, Samples};
 
 /// How far in front of a surface its shadow rays start, in metres along the normal.
 pub const RAY_OFFSET: f32 = 1e-4;
 
-/// With at most this many samples each ray walks the hierarchy alone; with more, one pyramid
-/// around all of them does. Either way the same three planes decide each ray.
-const SINGLE_RAYS: u32 = 4;
+/// With at most this many samples each ray walks the hierarchy alone, once anything at all is in
+/// the way; with more, one pyramid around all of them does. Either way the same planes decide.
+const SINGLE_RAYS: usize = 4;
 
 /// Receivers per task.
 const BAND: usize = 512;
@@ -27,12 +28,6 @@ pub struct Cutouts<'a> {
     pub has_holes: &'a [bool],
     /// Whether such a triangle is opaque at the place given by the weights of its corners.
     pub is_opaque: &'a (dyn Fn(u32, [f32; 3]) -> bool + Sync),
-}
-
-impl Cutouts<'_> {
-    fn may_miss(&self, leaf: &Leaf) -> bool {
-        self.has_holes.get(leaf.triangle as usize).copied().unwrap_or(false)
-    }
 }
 
 impl fmt::Debug for Cutouts<'_> {
@@ -57,15 +52,6 @@ pub struct Receivers {
 pub struct Tracer<'a> {
     bvh: Bvh,
     cutouts: Option<Cutouts<'a>>,
-}
-
-/// What one receiver needs after another.
-#[derive(Default)]
-struct Scratch {
-    points: Vec<[f32; 2]>,
-    tree: SampleTree,
-    mask: Mask,
-    stack: Stack,
 }
 
 impl<'a> Tracer<'a> {
@@ -165,105 +151,92 @@ impl<'a> Tracer<'a> {
     ) {
         assert_eq!(positions.len(), normals.len(), "one normal per position");
         assert_eq!(positions.len(), out.len(), "one visibility per position");
-        // Fixed samples are placed once for all receivers.
-        let mut fixed = Scratch::default();
-        if let Samples::Fixed(_) = samples {
-            unit_points(light, samples, 0, &mut fixed.points);
-            SampleTree::sort(&mut fixed.points);
-            fixed.tree.rebuild(&fixed.points);
-        }
+        let placed = LightSamples::new(light, samples);
         for_each_band(threads, BandSlice { data: out, len: BAND }, &|band, out| {
-            let mut scratch = Scratch {
-                points: fixed.points.clone(),
-                tree: fixed.tree.clone(),
-                ..Scratch::default()
-            };
+            let (mut placed, mut stack) = (placed.clone(), Stack::new());
             for (i, out) in out.data.iter_mut().enumerate() {
                 let i = band * BAND + i;
                 let (position, normal) = (positions[i], normals[i]);
-                if !(position.is_finite() && normal.is_finite()) || normal == Vec3::ZERO {
-                    *out = 0.0;
-                    continue;
-                }
-                if let Samples::Jittered { .. } = samples {
-                    unit_points(light, samples, i as u32, &mut scratch.points);
-                    scratch.tree.rebuild(&scratch.points);
-                }
-                let normal = normal.as_dvec3();
-                let eye = position.as_dvec3() + normal * f64::from(RAY_OFFSET);
-                let rays = LightRays::new(light, eye);
-                let open = if scratch.points.len() <= SINGLE_RAYS as usize {
-                    self.single_rays(eye, normal, &rays, &mut scratch)
+                let surface = position.is_finite() && normal.is_finite() && normal != Vec3::ZERO;
+                *out = if surface {
+                    let normal = normal.as_dvec3();
+                    let eye = position.as_dvec3() + normal * f64::from(RAY_OFFSET);
+                    placed.turn_to(i as u32);
+                    let seen = self.samples_seen(eye, normal, &mut placed, &mut stack);
+                    seen as f32 / placed.count() as f32
                 } else {
-                    self.shaft_of_rays(eye, normal, &rays, &mut scratch)
+                    0.0
                 };
-                *out = open as f32 / scratch.points.len() as f32;
             }
         });
-    }
-
-    /// How many samples are seen, each ray on its own.
-    fn single_rays(
-        &self,
-        eye: DVec3,
-        normal: DVec3,
-        rays: &LightRays,
-        scratch: &mut Scratch,
-    ) -> usize {
-        let Scratch { points, stack, .. } = scratch;
-        let mut seen = |&point: &[f32; 2]| {
-            let ray = rays.to(point);
-            let opaque = |leaf: &Leaf, weights| self.is_opaque(leaf, weights);
-            normal.dot(ray) > 0.0 && !self.bvh.any(eye, ray, rays.w, stack, opaque)
-        };
-        points.iter().filter(|&point| seen(point)).count()
     }
 
     /// How many samples are seen. All rays start at one point, so a triangle blocks those samples
     /// that lie within three planes through that point and its edges; in the light's coordinates
     /// these are half-planes.
-    fn shaft_of_rays(
+    fn samples_seen(
         &self,
         eye: DVec3,
         normal: DVec3,
-        rays: &LightRays,
-        scratch: &mut Scratch,
+        samples: &mut LightSamples<'_>,
+        stack: &mut Stack,
     ) -> usize {
-        let Scratch { tree, mask, stack, .. } = scratch;
-        mask.reset(tree);
+        let rays = LightRays::new(samples.light(), eye);
         let half_plane = |n: DVec3, offset: f64| {
             HalfPlane::new(n.dot(rays.origin) - offset, n.dot(rays.u), n.dot(rays.v))
         };
         // Whatever is not above the horizon is blocked.
-        if let Some(below) = Region::new(&[half_plane(-normal, 0.0)], tree) {
-            mask.cover(tree, &below, None);
-        }
-        if mask.is_full() {
+        if let Some(below) = Region::new(&[half_plane(-normal, 0.0)], samples.bounds())
+            && samples.block(&below, None)
+        {
             return 0;
         }
-        let shaft = Shaft::new(eye, rays, tree, self.bvh.extent());
+        let alone = samples.count() <= SINGLE_RAYS;
+        let mut in_the_way = false;
+        let shaft = Shaft::new(eye, &rays, samples.bounds(), self.bvh.extent());
         self.bvh.in_shaft(&shaft, stack, |leaf, corners| {
             let Some(cone) = Cone::new(corners) else { return false };
-            let [a, b, c] = cone.planes.map(|n| half_plane(n, 0.0));
-            // The ray must reach the triangle before it ends.
-            let reach = half_plane(cone.through(), cone.volume * rays.w);
-            let Some(region) = Region::new(&[a, b, c, reach], tree) else { return false };
-            let holes = self.cutouts.filter(|cutouts| cutouts.may_miss(leaf));
+            let [a, b, c] = cone.planes;
+            let planes = [
+                half_plane(a, 0.0),
+                half_plane(b, 0.0),
+                half_plane(c, 0.0),
+                // The ray must reach the triangle before it ends.
+                half_plane(cone.through(), cone.volume * rays.w),
+            ];
+            let Some(region) = Region::new(&planes, samples.bounds()) else { return false };
+            in_the_way = true;
+            if alone {
+                return true;
+            }
+            if !self.may_miss(leaf) {
+                return samples.block(&region, None);
+            }
             let opaque = |point| {
                 let hit = cone.hit(rays.to(point), 0.0);
                 hit.is_some_and(|[_, weights @ ..]| self.is_opaque(leaf, weights))
             };
-            mask.cover(tree, &region, holes.is_some().then_some(&opaque));
-            mask.is_full()
+            samples.block(&region, Some(&opaque))
         });
-        mask.open() as usize
+        if alone && in_the_way {
+            let opaque = |leaf: &Leaf, weights| self.is_opaque(leaf, weights);
+            let seen = |point: [f32; 2]| !self.bvh.any(eye, rays.to(point), rays.w, stack, opaque);
+            return samples.open_points().map(seen).filter(|&seen| seen).count();
+        }
+        samples.open()
+    }
+
+    fn may_miss(&self, leaf: &Leaf) -> bool {
+        self.cutouts.is_some_and(|cutouts| {
+            cutouts.has_holes.get(leaf.triangle as usize).copied().unwrap_or(false)
+        })
     }
 
     fn is_opaque(&self, leaf: &Leaf, weights: [f64; 3]) -> bool {
-        self.cutouts.is_none_or(|cutouts| {
-            !cutouts.may_miss(leaf)
-                || (cutouts.is_opaque)(leaf.triangle, weights.map(|weight| weight as f32))
-        })
+        let opaque_at = |cutouts: Cutouts<'_>| {
+            (cutouts.is_opaque)(leaf.triangle, weights.map(|weight| weight as f32))
+        };
+        !self.may_miss(leaf) || self.cutouts.is_none_or(opaque_at)
     }
 }
 
