@@ -1,1 +1,33 @@
+//! Nearest texel search.
 #![no_std]
+#![deny(unsafe_code)]
+
+mod build;
+mod classify;
+mod jitter;
+mod kernels;
+mod map;
+pub mod naive;
+mod pyramid;
+mod query;
+mod reach;
+mod search;
+mod traverse;
+
+use kernels::{Job, run};
+use shadowmap_core::Level;
+
+pub use classify::Verdict;
+pub use map::Map;
+pub use pyramid::{IdGroup, NodeGroup, Pyramid, StorageError};
+pub use query::{Hit, IdTest, Key, Query, Side};
+pub use reach::{Cone, Reach};
+
+/// The answer to one query without a pyramid: what [`naive::nearest`] gives, from the rows
+/// of texels around the receiver outwards.
+#[must_use]
+pub fn nearest<'a>(level: Level, map: impl Into<Map<'a>>, query: &Query) -> Option<Hit> {
+    let mut hit = None;
+    run(level, Job::InBox { map: map.into(), query, hit: &mut hit });
+    hit
+}

@@ -1,0 +1,292 @@
+//! Making the pyramid: planar bounds of texels, then of nodes.
+
+use core::ops::Range;
+
+use crate::Map;
+use crate::kernels::Ops;
+use crate::map::WINDOW;
+use crate::pyramid::{FAN, IdGroup, LANES, LEAF_HEIGHT, LEAF_WIDTH, Layout, NodeGroup};
+
+/// Planar bounds of one node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds {
+    pub slope: [f32; 2],
+    pub low: f32,
+    pub high: f32,
+}
+
+/// What is measured of the texels of a leaf: the range of nearness, and the range of what remains
+/// of it once a plane is subtracted. NaN is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ranges {
+    pub flat: [f32; 2],
+    pub planar: [f32; 2],
+    /// Whether there is a NaN.
+    pub nan: bool,
+}
+
+/// Rows of a leaf, and the centre of its first texel seen from its own centre.
+pub(crate) const ROWS: usize = LEAF_HEIGHT as usize;
+pub(crate) const FIRST: [f32; 2] =
+    [-0.5 * (LEAF_WIDTH - 1) as f32, -0.5 * (LEAF_HEIGHT - 1) as f32];
+
+/// Slopes beyond this are not followed, so that no product overflows.
+const STEEPEST: f32 = 1e20;
+
+/// Room for rounding, in the bounds themselves and where they are compared with a plane.
+const ROOM: f32 = 1.0 / 1048576.0;
+
+impl Bounds {
+    /// Bounds of nothing.
+    const NONE: Bounds = Bounds { slope: [0.0; 2], low: f32::INFINITY, high: f32::NEG_INFINITY };
+
+    /// The narrower of a flat and a planar range, with room for rounding.
+    #[inline(always)]
+    fn choose(flat: [f32; 2], planar: [f32; 2], slope: [f32; 2], half: [f32; 2]) -> Bounds {
+        let narrower = planar[1] - planar[0] < flat[1] - flat[0];
+        let ([low, high], slope) = if narrower { (planar, slope) } else { (flat, [0.0; 2]) };
+        let steep = slope[0].abs() * half[0] + slope[1].abs() * half[1];
+        // Infinities stay what they are.
+        let room = |bound: f32| if bound.is_finite() { ROOM * (bound.abs() + steep) } else { 0.0 };
+        Bounds { slope, low: low - room(low), high: high + room(high) }
+    }
+
+    #[inline(always)]
+    fn store(self, group: &mut NodeGroup, lane: usize) {
+        [group.slope_x[lane], group.slope_y[lane]] = self.slope;
+        (group.low[lane], group.high[lane]) = (self.low, self.high);
+    }
+}
+
+/// Makes the part of the pyramid that depends on the given texels.
+#[inline(always)]
+pub(crate) fn build(
+    ops: &impl Ops,
+    map: Map<'_>,
+    layout: &Layout,
+    nodes: &mut [NodeGroup],
+    ids: &mut [IdGroup],
+    columns: Range<u32>,
+    rows: Range<u32>,
+) {
+    let groups = |level: usize| {
+        let [width, height] = Layout::node_size(level).map(|size| size * u64::from(FAN));
+        let count = |range: &Range<u32>, size: u64| {
+            (u64::from(range.start) / size) as u32..u64::from(range.end).div_ceil(size) as u32
+        };
+        (count(&columns, width), count(&rows, height))
+    };
+    let (xs, ys) = groups(0);
+    for y in ys {
+        for x in xs.clone() {
+            let index = layout.levels[0].columns as usize * y as usize + x as usize;
+            leaves(ops, &map, &mut nodes[index], x, y);
+            if let Some(group) = ids.get_mut(index) {
+                id_leaves(&map, group, x, y);
+            }
+        }
+    }
+    for level in 1..layout.count {
+        let (xs, ys) = groups(level);
+        let first = layout.levels[level].first;
+        let (lower, upper) = nodes.split_at_mut(first);
+        for y in ys {
+            for x in xs.clone() {
+                let index = layout.levels[level].columns as usize * y as usize + x as usize;
+                let child =
+                    |lane: u32| layout.group(level - 1, x * FAN + lane % FAN, y * FAN + lane / FAN);
+                for lane in 0..LANES as u32 {
+                    let bounds = match child(lane) {
+                        Some(child) => parent(&lower[child], level),
+                        None => Bounds::NONE,
+                    };
+                    bounds.store(&mut upper[index], lane as usize);
+                }
+                if !ids.is_empty() {
+                    let (lower, upper) = ids.split_at_mut(first);
+                    upper[index] = IdGroup::default();
+                    for lane in 0..LANES as u32 {
+                        match child(lane) {
+                            Some(child) => {
+                                id_parent(&lower[child], &mut upper[index], lane as usize)
+                            }
+                            None => absent(&mut upper[index], lane as usize),
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The 16 leaves of a group.
+#[inline(always)]
+fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32) {
+    for lane in 0..LANES {
+        let (left, top, columns, rows) = leaf_box(map, x, y, lane);
+        if columns == 0 || rows == 0 {
+            Bounds::NONE.store(group, lane);
+            continue;
+        }
+        let slope = leaf_slope(map, left, top, columns, rows);
+        let ranges = if columns == LEAF_WIDTH && rows == LEAF_HEIGHT {
+            let mut texels = [[0.0; WINDOW]; ROWS];
+            for (row, y) in texels.iter_mut().zip(top..) {
+                *row = map.nearness_window(left, y);
+            }
+            ops.leaf(&texels, slope)
+        } else {
+            ranges(map, left, top, columns, rows, slope)
+        };
+        let mut bounds = Bounds::choose(ranges.flat, ranges.planar, slope, FIRST.map(f32::abs));
+        if ranges.nan {
+            bounds.low = f32::NEG_INFINITY;
+        }
+        bounds.store(group, lane);
+    }
+}
+
+/// The texels of a leaf that lie in the map: first column and row, and how many.
+#[inline(always)]
+fn leaf_box(map: &Map<'_>, x: u32, y: u32, lane: usize) -> (u32, u32, u32, u32) {
+    let left = u64::from(x * FAN + lane as u32 % FAN) * u64::from(LEAF_WIDTH);
+    let top = u64::from(y * FAN + lane as u32 / FAN) * u64::from(LEAF_HEIGHT);
+    let columns = u64::from(map.width()).saturating_sub(left).min(u64::from(LEAF_WIDTH));
+    let rows = u64::from(map.height()).saturating_sub(top).min(u64::from(LEAF_HEIGHT));
+    (left as u32, top as u32, columns as u32, rows as u32)
+}
+
+/// The slope along the middle row and column of a leaf; 0 if that is not a number.
+#[inline(always)]
+fn leaf_slope(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32) -> [f32; 2] {
+    let (middle_x, middle_y) = (left + columns / 2, top + rows / 2);
+    let (right, bottom) = (left + columns - 1, top + rows - 1);
+    let across = map.nearness(right, middle_y) - map.nearness(left, middle_y);
+    let down = map.nearness(middle_x, bottom) - map.nearness(middle_x, top);
+    let slope = [across / (columns.max(2) - 1) as f32, down / (rows.max(2) - 1) as f32];
+    if slope[0].abs() + slope[1].abs() < STEEPEST { slope } else { [0.0; 2] }
+}
+
+/// The ranges of a leaf that the map cuts off, one texel after another.
+#[inline(always)]
+fn ranges(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32, slope: [f32; 2]) -> Ranges {
+    let mut ranges = Ranges::NONE;
+    for row in 0..rows {
+        for column in 0..columns {
+            let (x, y) = (FIRST[0] + column as f32, FIRST[1] + row as f32);
+            let plane = slope[0] * x + slope[1] * y;
+            ranges.add(map.nearness(left + column, top + row), plane);
+        }
+    }
+    ranges
+}
+
+impl Ranges {
+    /// The ranges of no texels.
+    pub const NONE: Ranges = Ranges {
+        flat: [f32::INFINITY, f32::NEG_INFINITY],
+        planar: [f32::INFINITY, f32::NEG_INFINITY],
+        nan: false,
+    };
+
+    /// Adds a texel and the plane there. `min` and `max` pass over NaN.
+    #[inline(always)]
+    pub fn add(&mut self, nearness: f32, plane: f32) {
+        let above = nearness - plane;
+        self.flat = [self.flat[0].min(nearness), self.flat[1].max(nearness)];
+        self.planar = [self.planar[0].min(above), self.planar[1].max(above)];
+        self.nan |= nearness.is_nan();
+    }
+}
+
+/// The bounds of a node of `level`, from its children.
+#[inline(always)]
+fn parent(children: &NodeGroup, level: usize) -> Bounds {
+    let [width, height] = Layout::node_size(level - 1).map(|size| size as f32);
+    let half = [(width - 1.0) * 0.5, (height - 1.0) * 0.5];
+    let range = |slope: [f32; 2]| {
+        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let x = ((i as u32 % FAN) as f32 - 0.5 * (FAN - 1) as f32) * width;
+            let y = ((i as u32 / FAN) as f32 - 0.5 * (FAN - 1) as f32) * height;
+            let plane = slope[0] * x + slope[1] * y;
+            let spread = (children.slope_x[i] - slope[0]).abs() * half[0]
+                + (children.slope_y[i] - slope[1]).abs() * half[1];
+            low[i] = (children.low[i] - spread) - plane;
+            high[i] = (children.high[i] + spread) - plane;
+        }
+        [fold(low, f32::min), fold(high, f32::max)]
+    };
+    let slope = [children.slope_x[0], children.slope_y[0]];
+    Bounds::choose(
+        range([0.0; 2]),
+        range(slope),
+        slope,
+        [half[0] + 1.5 * width, half[1] + 1.5 * height],
+    )
+}
+
+/// All lanes combined by a commutative and associative operation.
+#[inline(always)]
+fn fold(lanes: [f32; LANES], combine: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut lanes = lanes;
+    let mut count = LANES / 2;
+    while count > 0 {
+        for i in 0..count {
+            lanes[i] = combine(lanes[i], lanes[i + count]);
+        }
+        count /= 2;
+    }
+    lanes[0]
+}
+
+/// The ID marks of the 16 leaves of a group.
+#[inline(always)]
+fn id_leaves(map: &Map<'_>, group: &mut IdGroup, x: u32, y: u32) {
+    *group = IdGroup::default();
+    for lane in 0..LANES {
+        let (left, top, columns, rows) = leaf_box(map, x, y, lane);
+        if columns == 0 || rows == 0 {
+            absent(group, lane);
+            continue;
+        }
+        let id = map.id(left, top);
+        let mut differ = 0;
+        if columns == LEAF_WIDTH {
+            let mut bits = [0; WINDOW];
+            for y in top..top + rows {
+                for (bits, other) in bits.iter_mut().zip(map.id_window(left, y)) {
+                    *bits |= other ^ id;
+                }
+            }
+            differ = bits.into_iter().fold(0, |all, bits| all | bits);
+        } else {
+            for y in top..top + rows {
+                for x in left..left + columns {
+                    differ |= map.id(x, y) ^ id;
+                }
+            }
+        }
+        group.id[lane] = id;
+        group.single |= u32::from(differ == 0) << lane;
+    }
+}
+
+/// The ID mark of a node, from its children.
+#[inline(always)]
+fn id_parent(children: &IdGroup, group: &mut IdGroup, lane: usize) {
+    let id = children.id[0];
+    let mut single = true;
+    for i in 0..LANES {
+        single &= children.single >> i & 1 == 1 && children.id[i] == id;
+    }
+    group.id[lane] = id;
+    group.single |= u32::from(single) << lane;
+}
+
+/// The ID mark of a node beyond the map's border: like that of child 0, which is never beyond it.
+#[inline(always)]
+fn absent(group: &mut IdGroup, lane: usize) {
+    group.id[lane] = group.id[0];
+    group.single |= 1 << lane;
+}

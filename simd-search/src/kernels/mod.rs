@@ -1,0 +1,126 @@
+//! The four operations that every instruction set writes by hand, and the door to them.
+
+use core::ops::Range;
+
+use shadowmap_core::{Level, LevelKind};
+
+use crate::build::{ROWS, Ranges, build};
+use crate::classify::{Verdict, classify};
+use crate::map::WINDOW;
+use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
+use crate::reach::{GroupTest, Reach, Verdicts};
+use crate::search::{Search, WindowTest};
+use crate::traverse::each_in_pyramid;
+use crate::{Hit, IdTest, Map, Query};
+
+mod scalar;
+
+/// What the algorithms, written once, ask of an instruction set.
+///
+/// Each instruction set makes one [`Kernels`] of four closures inside a function with its target
+/// features: closures have the features of the function they are made in, and everything between
+/// is `#[inline(always)]`.
+pub(crate) trait Ops {
+    /// The texels of a window that pass the test, bit i for texel i.
+    fn window(&self, test: &WindowTest, texels: &[f32; WINDOW]) -> u32;
+    /// The numbers that equal one of them, bit i for number i.
+    fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32;
+    /// What 16 nodes can hold.
+    fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts;
+    /// The ranges of the texels of a leaf, minus a plane with the given slope through its centre.
+    fn leaf(&self, texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]) -> Ranges;
+}
+
+/// [`Ops`] of four closures.
+pub(crate) struct Kernels<W, E, G, L> {
+    pub window: W,
+    pub equal: E,
+    pub group: G,
+    pub leaf: L,
+}
+
+impl<W, E, G, L> Ops for Kernels<W, E, G, L>
+where
+    W: Fn(&WindowTest, &[f32; WINDOW]) -> u32,
+    E: Fn(&[u32; LANES], u32) -> u32,
+    G: Fn(&GroupTest, &NodeGroup) -> Verdicts,
+    L: Fn(&[[f32; WINDOW]; ROWS], [f32; 2]) -> Ranges,
+{
+    #[inline(always)]
+    fn window(&self, test: &WindowTest, texels: &[f32; WINDOW]) -> u32 {
+        (self.window)(test, texels)
+    }
+    #[inline(always)]
+    fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
+        (self.equal)(numbers, number)
+    }
+    #[inline(always)]
+    fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
+        (self.group)(test, nodes)
+    }
+    #[inline(always)]
+    fn leaf(&self, texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]) -> Ranges {
+        (self.leaf)(texels, slope)
+    }
+}
+
+/// Everything that is done with kernels. An instruction set's module is one function that does a
+/// job, so that it is entered once for a whole batch.
+pub(crate) enum Job<'a> {
+    /// The box around the receiver, without a pyramid.
+    InBox {
+        map: Map<'a>,
+        query: &'a Query,
+        hit: &'a mut Option<Hit>,
+    },
+    InPyramid {
+        map: Map<'a>,
+        pyramid: &'a Pyramid<'a>,
+        queries: &'a [Query],
+        hits: &'a mut [Option<Hit>],
+    },
+    Classify {
+        pyramid: &'a Pyramid<'a>,
+        reach: &'a Reach,
+        ids: IdTest,
+        verdict: &'a mut Verdict,
+    },
+    Build {
+        map: Map<'a>,
+        layout: &'a Layout,
+        nodes: &'a mut [NodeGroup],
+        ids: &'a mut [IdGroup],
+        columns: Range<u32>,
+        rows: Range<u32>,
+    },
+}
+
+impl Job<'_> {
+    #[inline(always)]
+    pub(crate) fn run(self, ops: &impl Ops) {
+        match self {
+            Job::InBox { map, query, hit } => {
+                let mut search = Search::new(map, query);
+                search.ask_box(ops);
+                *hit = search.best;
+            }
+            Job::InPyramid { map, pyramid, queries, hits } => {
+                each_in_pyramid(ops, map, pyramid, queries, hits);
+            }
+            Job::Classify { pyramid, reach, ids, verdict } => {
+                *verdict = classify(ops, pyramid, reach, ids);
+            }
+            Job::Build { map, layout, nodes, ids, columns, rows } => {
+                build(ops, map, layout, nodes, ids, columns, rows);
+            }
+        }
+    }
+}
+
+/// Does a job with the kernels of `level`.
+pub(crate) fn run(level: Level, job: Job<'_>) {
+    match level.kind() {
+        LevelKind::Scalar => scalar::run(job),
+        _ => scalar::run(job),
+    }
+}

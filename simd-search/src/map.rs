@@ -1,0 +1,141 @@
+//! The two layouts of depth + ID maps that can be searched.
+
+use shadowmap_core::{DepthMap, PackedMap};
+
+/// How many texels of a row the kernels test at once.
+pub(crate) const WINDOW: usize = 16;
+
+/// A depth + ID map in either layout.
+///
+/// Made from a [`DepthMap`] or a [`PackedMap`] (or a reference to one) by `into()`; every function
+/// that searches takes either directly.
+#[derive(Clone, Copy, Debug)]
+pub enum Map<'a> {
+    /// Nearness and object IDs in two arrays.
+    Planar(DepthMap<'a>),
+    /// 24 bits of nearness and 8 bits of object ID in one word (Brabec and Seidel 2002, section
+    /// 4.1). Nearness is the upper 24 bits as a number from 0 to 16,777,215, which `f32` holds
+    /// exactly: receivers and offsets are in that unit. Object IDs are compared modulo 256.
+    Packed(PackedMap<'a>),
+}
+
+impl<'a> From<DepthMap<'a>> for Map<'a> {
+    fn from(map: DepthMap<'a>) -> Self {
+        Map::Planar(map)
+    }
+}
+impl<'a> From<&DepthMap<'a>> for Map<'a> {
+    fn from(map: &DepthMap<'a>) -> Self {
+        Map::Planar(*map)
+    }
+}
+impl<'a> From<PackedMap<'a>> for Map<'a> {
+    fn from(map: PackedMap<'a>) -> Self {
+        Map::Packed(map)
+    }
+}
+impl<'a> From<&PackedMap<'a>> for Map<'a> {
+    fn from(map: &PackedMap<'a>) -> Self {
+        Map::Packed(*map)
+    }
+}
+
+impl Map<'_> {
+    /// Texels per row.
+    #[inline(always)]
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        match self {
+            Map::Planar(map) => map.width(),
+            Map::Packed(map) => map.width(),
+        }
+    }
+
+    /// Rows.
+    #[inline(always)]
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        match self {
+            Map::Planar(map) => map.height(),
+            Map::Packed(map) => map.height(),
+        }
+    }
+
+    /// Nearness of texel (x, y).
+    ///
+    /// # Panics
+    ///
+    /// If the texel lies outside the map.
+    #[inline(always)]
+    #[must_use]
+    pub fn nearness(&self, x: u32, y: u32) -> f32 {
+        let index = self.index(x, y);
+        match self {
+            Map::Planar(map) => map.nearness()[index],
+            Map::Packed(map) => unpack(map.texels()[index]),
+        }
+    }
+
+    /// Object ID of texel (x, y): modulo 256 in a packed map, 0 in a map without IDs.
+    ///
+    /// # Panics
+    ///
+    /// If the texel lies outside the map.
+    #[inline(always)]
+    #[must_use]
+    pub fn id(&self, x: u32, y: u32) -> u32 {
+        let index = self.index(x, y);
+        match self {
+            Map::Planar(map) if map.ids().is_empty() => 0,
+            Map::Planar(map) => map.ids()[index],
+            Map::Packed(map) => map.texels()[index] & 0xff,
+        }
+    }
+
+    #[inline(always)]
+    fn index(&self, x: u32, y: u32) -> usize {
+        assert!(x < self.width() && y < self.height(), "the texel lies outside the map");
+        y as usize * self.width() as usize + x as usize
+    }
+
+    /// The bits of an object ID that the map holds.
+    #[inline(always)]
+    pub(crate) fn id_mask(&self) -> u32 {
+        match self {
+            Map::Planar(_) => u32::MAX,
+            Map::Packed(_) => 0xff,
+        }
+    }
+
+    /// Nearness of the `WINDOW` texels from (x, y) on, which must lie within the row.
+    #[inline(always)]
+    pub(crate) fn nearness_window(&self, x: u32, y: u32) -> [f32; WINDOW] {
+        let start = y as usize * self.width() as usize + x as usize;
+        match self {
+            Map::Planar(map) => window(map.nearness(), start),
+            Map::Packed(map) => window(map.texels(), start).map(unpack),
+        }
+    }
+
+    /// Object IDs of the `WINDOW` texels from (x, y) on, which must lie within the row.
+    #[inline(always)]
+    pub(crate) fn id_window(&self, x: u32, y: u32) -> [u32; WINDOW] {
+        let start = y as usize * self.width() as usize + x as usize;
+        match self {
+            Map::Planar(map) if map.ids().is_empty() => [0; WINDOW],
+            Map::Planar(map) => window(map.ids(), start),
+            Map::Packed(map) => window(map.texels(), start).map(|texel| texel & 0xff),
+        }
+    }
+}
+
+#[inline(always)]
+fn window<T: Copy>(texels: &[T], start: usize) -> [T; WINDOW] {
+    *texels[start..].first_chunk().expect("a window lies within its row")
+}
+
+/// Through a signed number, for which every instruction set has a conversion.
+#[inline(always)]
+fn unpack(texel: u32) -> f32 {
+    (texel >> 8) as i32 as f32
+}
