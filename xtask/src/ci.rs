@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use crate::run::{cargo_command, step};
 
 /// The crates that embedders use alone, without the standard library.
-const NO_STD: [&str; 5] =
+pub const NO_STD: [&str; 5] =
     ["shadowmap-core", "raster", "simd-search", "single-sample", "linear-light"];
 
 /// Runs all checks, and fails if one of them failed; stops at none, so that one run shows all.

@@ -5,7 +5,9 @@
 use std::process::{Command, ExitCode};
 
 mod ci;
+mod cross;
 mod run;
+mod targets;
 
 const HELP: &str = "\
 cargo xtask <command> [options]
@@ -15,6 +17,7 @@ cargo xtask <command> [options]
   bench [options]            time every stage; table, JSON and HTML in target/bench
   figures [options]          redraw the papers' figures as one report in target/figures
   ci [--full]                everything that the hosted checks run
+  cross [--full]             build and test for other targets
 
 Every command explains itself with --help.";
 
@@ -26,6 +29,7 @@ fn main() -> ExitCode {
         "render" | "compare" | "mask" => package("renderer", &command, &rest),
         "bench" | "figures" => package("measure", &command, &rest),
         "ci" => ci::run(&rest),
+        "cross" => cross::run(&rest),
         "" | "help" | "--help" | "-h" => {
             println!("{HELP}");
             ExitCode::SUCCESS
