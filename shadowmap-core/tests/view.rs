@@ -6,7 +6,10 @@ use glam::camera::rh::{
 };
 use glam::{Mat4, Vec3};
 use proptest::prelude::*;
-use shadowmap_core::{Bias, DepthMap, HardShadow, LightPoint, View, Window, hard_shadow};
+use shadowmap_core::{
+    Bias, DepthConvention, DepthMap, ForeignDepth, HardShadow, LightPoint, Projection, View,
+    Window, hard_shadow,
+};
 
 fn views() -> [View; 2] {
     let eye = Vec3::new(1.5, 6.0, 1.5);
@@ -87,6 +90,50 @@ fn foreign_matrices_give_the_same_view() {
         View::orthographic_window(eye, axes, Window::centered(2.0, 1.5), 640, 480, [1.0, 21.0]);
     let (a, b) = (own.texel_from_world(Vec3::ONE), foreign.texel_from_world(Vec3::ONE));
     assert!((a.unwrap() - b.unwrap()).length() < 1e-3, "{a:?} {b:?}");
+}
+
+/// What every kind of buffer holds for a few points, and the nearness that must come of it.
+#[test]
+fn foreign_depth_becomes_nearness() {
+    let (eye, target) = (Vec3::new(0.0, 5.0, 8.0), Vec3::new(0.0, 0.8, 0.0));
+    let look = look_at_mat4(eye, target, Vec3::Y);
+    let perspective = [
+        (directx::perspective(0.7, 1.0, 0.1, 100.0), DepthConvention::ZeroToOne),
+        (opengl::perspective(0.7, 1.0, 0.1, 100.0), DepthConvention::OpenGl),
+        (directx::perspective_infinite_reverse(0.7, 1.0, 0.1), DepthConvention::ReversedZ),
+        (directx::perspective(0.7, 1.0, 0.1, 100.0), DepthConvention::Linear),
+        (directx::perspective(0.7, 1.0, 0.1, 100.0), DepthConvention::Distance),
+        (directx::orthographic(-4.0, 4.0, -4.0, 4.0, 1.0, 21.0), DepthConvention::ZeroToOne),
+        (opengl::orthographic(-4.0, 4.0, -4.0, 4.0, 1.0, 21.0), DepthConvention::OpenGl),
+        (directx::orthographic(-4.0, 4.0, -4.0, 4.0, 1.0, 21.0), DepthConvention::Linear),
+    ];
+    for (projection, convention) in perspective {
+        let clip = projection * look;
+        let foreign = ForeignDepth::new(clip, convention, 512, 512).unwrap();
+        let orthographic = foreign.view().projection() == Projection::Orthographic;
+        for point in [Vec3::ZERO, Vec3::new(1.0, 2.0, -3.0), Vec3::new(-2.0, 0.0, 4.0)] {
+            let ndc = clip.project_point3(point).z;
+            let depth = -look.transform_point3(point).z;
+            let value = match convention {
+                DepthConvention::OpenGl => ndc * 0.5 + 0.5,
+                DepthConvention::Linear if orthographic => depth - 1.0,
+                DepthConvention::Linear => depth,
+                DepthConvention::Distance => eye.distance(point),
+                _ => ndc,
+            };
+            let seen = foreign.view().texel_from_world(point).unwrap();
+            let nearness = foreign.nearness(seen.x, seen.y, value);
+            let error = (nearness - seen.z).abs() / seen.z;
+            assert!(error < 1e-4, "{convention:?}: {nearness} for {}", seen.z);
+        }
+        let nothing = match convention {
+            DepthConvention::ReversedZ => 0.0,
+            DepthConvention::Linear | DepthConvention::Distance => f32::INFINITY,
+            _ => 1.0,
+        };
+        assert_eq!(foreign.nearness(9.0, 9.0, nothing), 0.0, "{convention:?}");
+        assert_eq!(foreign.nearness(9.0, 9.0, f32::NAN), 0.0, "{convention:?}");
+    }
 }
 
 #[test]
