@@ -1,0 +1,3 @@
+//! Scene files, sound and broken.
+
+mod table;
