@@ -21,7 +21,7 @@ impl<'a> Buffers<'a> {
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
                 (Some(uri), _) => files.read_uri(uri, budget)?.into(),
-                _ if buffer.extensions.meshopt.is_some() => {
+                _ if buffer.extensions.is_compressed() => {
                     buffers.push(None);
                     continue;
                 }
@@ -42,11 +42,9 @@ impl<'a> Buffers<'a> {
     pub(super) fn view(&self, root: &Root, index: usize) -> Result<&[u8], Fault> {
         let view = &root.buffer_views[index];
         let Some(bytes) = &self.0[view.buffer] else {
-            let why = match view.extensions.meshopt {
-                Some(_) => "its data is compressed with EXT_meshopt_compression",
-                None => "its buffer has no data",
-            };
-            return Err(Fault::Unsupported(format!("bufferViews[{index}]: {why}")));
+            return Err(Fault::Unsupported(format!(
+                "bufferViews[{index}]: its data is compressed with EXT_meshopt_compression"
+            )));
         };
         Ok(&bytes[view.byte_offset as usize..][..view.byte_length as usize])
     }

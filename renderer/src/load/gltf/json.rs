@@ -204,8 +204,17 @@ pub(super) struct Buffer {
 #[derive(Deserialize, Default)]
 #[serde(default)]
 pub(super) struct MeshoptExtensions {
-    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
-    pub(super) meshopt: Option<IgnoredAny>,
+    #[serde(rename = "EXT_meshopt_compression")]
+    meshopt: Option<IgnoredAny>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    later_meshopt: Option<IgnoredAny>,
+}
+
+impl MeshoptExtensions {
+    /// Whether the data may exist only compressed.
+    pub(super) fn is_compressed(&self) -> bool {
+        self.meshopt.is_some() || self.later_meshopt.is_some()
+    }
 }
 
 #[derive(Deserialize, Default)]
