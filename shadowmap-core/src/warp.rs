@@ -54,6 +54,13 @@ impl Warp {
         Warp { rows }
     }
 
+    /// The rows U, V, N, Q of the light, each over (x, y, n, 1) of the camera.
+    /// Kernels evaluate a row as `((r[0] * x + r[1] * y) + r[2] * n) + r[3]`.
+    #[must_use]
+    pub fn rows(&self) -> &[[f32; 4]; 4] {
+        &self.rows
+    }
+
     /// The light's (u, v, nearness) of the camera's point (x, y, n); `None` behind the light, or
     /// where it is not finite.
     #[must_use]

@@ -1,0 +1,48 @@
+//! Few points instead of many, to fit views around.
+
+use glam::Vec3;
+
+use crate::scene::{Bounds, Scene};
+
+/// Cells along each axis of the grid that sorts the vertices.
+const CELLS: usize = 8;
+
+/// Points whose convex hull holds all triangles of the scene, closely: the vertices if they are
+/// few, else the corners of the boxes around those in each cell of a grid.
+#[must_use]
+pub fn points_around(scene: &Scene) -> Vec<Vec3> {
+    let mut used = vec![false; scene.mesh.positions.len()];
+    for &index in scene.mesh.triangles.iter().flatten() {
+        if let Some(used) = used.get_mut(index as usize) {
+            *used = true;
+        }
+    }
+    let vertices = scene.mesh.positions.iter().zip(&used);
+    let vertices = vertices.filter(|(p, used)| **used && p.is_finite()).map(|(p, _)| *p);
+    let Some(bounds) = scene.bounds() else { return Vec::new() };
+    if vertices.clone().count() <= CELLS.pow(3) {
+        return vertices.collect();
+    }
+    let scale = CELLS as f32 / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
+    let mut cells = vec![None; CELLS.pow(3)];
+    for p in vertices {
+        let cell = ((p - bounds.min) * scale).to_array();
+        // The conversion saturates; the last plane of the grid belongs to the last cell.
+        let [x, y, z] = cell.map(|c| (c as usize).min(CELLS - 1));
+        let cell: &mut Option<Bounds> = &mut cells[(z * CELLS + y) * CELLS + x];
+        *cell = Some(match *cell {
+            Some(Bounds { min, max }) => Bounds { min: min.min(p), max: max.max(p) },
+            None => Bounds { min: p, max: p },
+        });
+    }
+    let corners = |Bounds { min, max }: Bounds| {
+        (0..8).map(move |corner| {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            Vec3::new(pick(0), pick(1), pick(2))
+        })
+    };
+    let mut points: Vec<Vec3> = cells.into_iter().flatten().flat_map(corners).collect();
+    // The corners of a flat box coincide.
+    points.dedup();
+    points
+}

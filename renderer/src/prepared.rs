@@ -1,0 +1,176 @@
+//! A scene with the tables that every frame looks things up in.
+
+use std::fmt;
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use raster::AlphaMask;
+use shadowmap_core::{Surface, View};
+
+use crate::scene::{AlphaMode, Bounds, Material, Scene};
+
+/// Alpha at which a blended material counts as solid: shadow maps know no half transparency.
+const BLEND_CUTOFF: f32 = 0.5;
+
+/// A scene and its tables, made once per scene.
+pub struct Prepared<'a> {
+    scene: &'a Scene,
+    bounds: Option<Bounds>,
+    hull: Vec<Vec3>,
+    /// Geometric normal and object ID of each triangle, at its index + 1.
+    surfaces: Vec<Surface>,
+    /// Which triangles have holes; empty if none has.
+    masked: Vec<bool>,
+    /// Whether some material is seen from its front only.
+    single_sided: bool,
+}
+
+impl fmt::Debug for Prepared<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Prepared").field("scene", &self.scene.name).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Prepared<'a> {
+    /// The tables of a scene.
+    #[must_use]
+    pub fn new(scene: &'a Scene) -> Prepared<'a> {
+        let mesh = scene.mesh.as_mesh();
+        let normal = |&triangle: &[u32; 3]| {
+            let Some([a, b, c]) = corners(scene, triangle) else { return Vec3::ZERO };
+            let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+            (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::ZERO).as_vec3()
+        };
+        let known = mesh.triangles.iter().zip(mesh.ids);
+        let surfaces = std::iter::once(Surface::UNKNOWN)
+            .chain(known.map(|(triangle, &id)| Surface { normal: normal(triangle), id }))
+            .collect();
+        let material = |&index: &u32| scene.materials.get(index as usize);
+        let has_holes = |index| material(index).is_some_and(|m| cutoff(m).is_some());
+        let masked: Vec<bool> = scene.triangle_materials.iter().map(has_holes).collect();
+        let any_masked = masked.contains(&true);
+        let single = |index| material(index).is_some_and(|m| !m.double_sided);
+        Prepared {
+            scene,
+            bounds: scene.bounds(),
+            hull: crate::hull::points_around(scene),
+            surfaces,
+            masked: if any_masked { masked } else { Vec::new() },
+            single_sided: scene.triangle_materials.iter().any(single),
+        }
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+    /// The box around all triangles.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.bounds
+    }
+    /// Not many points whose convex hull holds all triangles, closely.
+    #[must_use]
+    pub fn hull(&self) -> &[Vec3] {
+        &self.hull
+    }
+    /// Geometric normal and object ID of each triangle, at its index + 1: what a camera pass with
+    /// [`raster::Payload::TriangleIndex`] points to.
+    #[must_use]
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+    /// Which triangles have holes; empty if none has.
+    #[must_use]
+    pub fn masked(&self) -> &[bool] {
+        &self.masked
+    }
+
+    /// Whether the material of a triangle is there, at the place with the given weights of its
+    /// second and third corner.
+    #[must_use]
+    pub fn is_solid(&self, triangle: usize, b1: f32, b2: f32) -> bool {
+        let Some(material) = self.material(triangle) else { return true };
+        let Some(cutoff) = cutoff(material) else { return true };
+        let Some(&corners) = self.scene.mesh.triangles.get(triangle) else { return true };
+        self.base_color(material, corners, [b1, b2]).w >= cutoff
+    }
+
+    /// The alpha test as the rasterizer takes it, around [`Prepared::is_solid`].
+    pub fn with_alpha_mask<R>(&self, work: impl FnOnce(Option<&AlphaMask<'_>>) -> R) -> R {
+        if self.masked.is_empty() {
+            return work(None);
+        }
+        let keep = |triangle: usize, b1: f32, b2: f32| self.is_solid(triangle, b1, b2);
+        work(Some(&AlphaMask { masked: &self.masked, keep: &keep }))
+    }
+
+    /// The material of a triangle.
+    #[must_use]
+    pub fn material(&self, triangle: usize) -> Option<&'a Material> {
+        let index = *self.scene.triangle_materials.get(triangle)?;
+        self.scene.materials.get(index as usize)
+    }
+
+    /// Linear RGBA of a material at the place with the given weights of the second and third of
+    /// the vertices `corners`.
+    #[must_use]
+    pub fn base_color(&self, material: &Material, corners: [u32; 3], weights: [f32; 2]) -> Vec4 {
+        let mut color = material.base_color;
+        if let Some(vertex) = interpolated(&self.scene.colors, corners, weights) {
+            color *= vertex;
+        }
+        let texture = material.texture.and_then(|index| self.scene.textures.get(index));
+        if let Some(texture) = texture {
+            let uv = interpolated(&self.scene.uvs, corners, weights).unwrap_or(Vec2::ZERO);
+            color *= texture.sample(uv);
+        }
+        color
+    }
+
+    /// Writes to `triangles` those that `camera` sees from a side that their material shows. The
+    /// others keep their place and get indices that no vertex has. `None` if all are shown anyway.
+    pub fn front_faces<'t>(
+        &self,
+        camera: &View,
+        triangles: &'t mut Vec<[u32; 3]>,
+    ) -> Option<&'t [[u32; 3]]> {
+        if !self.single_sided {
+            return None;
+        }
+        let [x, y, z, w] = camera.eye();
+        let eye = Vec3::new(x, y, z);
+        triangles.clear();
+        let all = self.scene.mesh.triangles.iter().zip(&self.surfaces[1..]).enumerate();
+        triangles.extend(all.map(|(index, (&triangle, surface))| {
+            let shown = self.material(index).is_none_or(|material| material.double_sided);
+            let Some([a, _, _]) = corners(self.scene, triangle) else { return triangle };
+            if shown || surface.normal.dot(eye - a * w) >= 0.0 { triangle } else { [u32::MAX; 3] }
+        }));
+        Some(triangles)
+    }
+}
+
+/// Alpha below which a material has a hole; `None` for one without holes.
+fn cutoff(material: &Material) -> Option<f32> {
+    match material.alpha_mode {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask(cutoff) => Some(cutoff),
+        AlphaMode::Blend => Some(BLEND_CUTOFF),
+    }
+}
+
+/// The positions of a triangle's vertices; `None` if one is missing.
+pub(crate) fn corners(scene: &Scene, triangle: [u32; 3]) -> Option<[Vec3; 3]> {
+    let [a, b, c] = triangle.map(|index| scene.mesh.positions.get(index as usize).copied());
+    Some([a?, b?, c?])
+}
+
+/// A vertex attribute inside a triangle; `None` if a vertex has none.
+pub(crate) fn interpolated<T>(attribute: &[T], corners: [u32; 3], [b1, b2]: [f32; 2]) -> Option<T>
+where
+    T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    let [a, b, c] = corners.map(|index| attribute.get(index as usize).copied());
+    Some(a? * (1.0 - b1 - b2) + b? * b1 + c? * b2)
+}

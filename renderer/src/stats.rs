@@ -1,0 +1,127 @@
+//! What was done, as `--stats` writes it.
+
+use std::time::{Duration, Instant};
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// Milliseconds of every stage, one entry per repetition.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Milliseconds {
+    /// Reading the scene, or building it; all in the first repetition.
+    pub load: Vec<f64>,
+    /// What the camera sees: nearness and triangle of every pixel.
+    pub camera_pass: Vec<f64>,
+    /// All depth maps of all samples of all lights.
+    pub light_maps: Vec<f64>,
+    /// Channels of linear lights: skins.
+    pub visibility_channel: Vec<f64>,
+    /// Visibility of every pixel.
+    pub shadow: Vec<f64>,
+    /// Colour of every pixel.
+    pub shade: Vec<f64>,
+    /// Everything after loading, without writing the file.
+    pub total: Vec<f64>,
+}
+
+/// How long the stages of one frame took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StageTimes {
+    /// See [`Milliseconds::camera_pass`].
+    pub camera_pass: Duration,
+    /// See [`Milliseconds::light_maps`].
+    pub light_maps: Duration,
+    /// See [`Milliseconds::visibility_channel`].
+    pub visibility_channel: Duration,
+    /// See [`Milliseconds::shadow`].
+    pub shadow: Duration,
+    /// See [`Milliseconds::shade`].
+    pub shade: Duration,
+    /// See [`Milliseconds::total`].
+    pub total: Duration,
+}
+
+impl Milliseconds {
+    /// Appends one repetition.
+    pub fn push(&mut self, load: Duration, frame: &StageTimes) {
+        let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
+        self.load.push(milliseconds(load));
+        self.camera_pass.push(milliseconds(frame.camera_pass));
+        self.light_maps.push(milliseconds(frame.light_maps));
+        self.visibility_channel.push(milliseconds(frame.visibility_channel));
+        self.shadow.push(milliseconds(frame.shadow));
+        self.shade.push(milliseconds(frame.shade));
+        self.total.push(milliseconds(frame.total));
+    }
+}
+
+/// Runs `work` and adds the time it took to `total`.
+pub fn timed<T>(total: &mut Duration, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *total += start.elapsed();
+    result
+}
+
+/// How often what happened in one frame, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Counters(Vec<(&'static str, u64)>);
+
+impl Counters {
+    /// Forgets all counts and keeps the memory.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Adds `count` to the counter of that name, which starts at 0.
+    pub fn add(&mut self, name: &'static str, count: u64) {
+        match self.0.iter_mut().find(|entry| entry.0 == name) {
+            Some(entry) => entry.1 += count,
+            None => self.0.push((name, count)),
+        }
+    }
+
+    /// The count of that name; `None` if nothing was counted under it.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<u64> {
+        self.0.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
+    }
+}
+
+impl Serialize for Counters {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, count) in &self.0 {
+            map.serialize_entry(name, count)?;
+        }
+        map.end()
+    }
+}
+
+/// The object that `--stats` writes.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Stats {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Name of the scene, or its path.
+    pub scene: String,
+    /// Triangles in the scene.
+    pub triangles: usize,
+    /// Width and height of the picture.
+    pub size: [u32; 2],
+    /// Side of the light maps.
+    pub map_size: u32,
+    /// Method, or the methods of several lights with `+` between.
+    pub method: String,
+    /// Samples of each light, where the method has any; else 1.
+    pub samples: u32,
+    /// SIMD level.
+    pub simd: &'static str,
+    /// Threads.
+    pub threads: usize,
+    /// Repetitions.
+    pub repeat: u32,
+    /// Times.
+    pub ms: Milliseconds,
+    /// Counts of the last repetition.
+    pub counters: Counters,
+}
