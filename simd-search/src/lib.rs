@@ -4,6 +4,7 @@
 
 mod build;
 mod classify;
+mod greatest;
 mod jitter;
 mod kernels;
 mod map;
