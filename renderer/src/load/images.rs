@@ -24,7 +24,10 @@ pub(super) fn decode(bytes: &[u8], budget: &mut Budget) -> Result<Result<Picture
     };
     let broken = |e: image::ImageError| {
         let text: String = e.to_string().chars().filter(|c| !c.is_control()).take(100).collect();
-        Ok(Err(text))
+        match e {
+            image::ImageError::Limits(_) => Err(Fault::TooLarge(format!("a picture: {text}"))),
+            _ => Ok(Err(text)),
+        }
     };
     // The header alone tells the size; only then is memory taken.
     let mut decoder = match ImageReader::with_format(Cursor::new(bytes), format).into_decoder() {

@@ -184,7 +184,7 @@ pub fn everything() -> Gltf {
         { "name": "root", "children": [1, 2, 3, 4], "scale": [2.0, 2.0, 2.0] },
         { "name": "child", "mesh": 0, "translation": [1.0, 0.0, 0.0] },
         { "mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1] },
-        { "mesh": 2, "rotation": [0.0, 0.0, 0.7071068, 0.7071068] },
+        { "mesh": 2, "rotation": [0.0, 0.0, 1.0, 1.0] },
         { "mesh": 3, "scale": [-1.0, 1.0, 1.0] },
         { "name": "bulb", "extensions": lit(0), "translation": [0.0, 5.0, 0.0], "extras": { "radius": 0.5 } },
         { "name": "tube", "extensions": lit(0), "translation": [0.0, 6.0, 0.0], "extras": { "length": 4.0 } },

@@ -96,7 +96,7 @@ const GLTF: &[Case] = &[
     ("an empty scene", |g| set(g, "/scenes/1", "nodes", json!([])), "nothing to render"),
     ("no primitives", |g| g.json["meshes"] = json!(vec![json!({}); 4]), "nothing to render"),
     ("huge picture", |g| picture(g, 60_000, 60_000), "60000 x 60000"),
-    ("endless picture", |g| picture(g, u32::MAX >> 1, u32::MAX >> 1), "2147483647"),
+    ("endless picture", |g| picture(g, u32::MAX >> 1, u32::MAX >> 1), "picture"),
 ];
 
 /// Where a buffer view starts.

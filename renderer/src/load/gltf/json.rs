@@ -188,8 +188,6 @@ pub(super) struct BufferView {
     pub(super) byte_offset: u64,
     pub(super) byte_length: u64,
     pub(super) byte_stride: Option<u64>,
-    #[serde(default)]
-    pub(super) extensions: MeshoptExtensions,
 }
 
 #[derive(Deserialize)]
