@@ -16,7 +16,7 @@ pub const RAY_OFFSET: f32 = 1e-4;
 
 /// With at most this many samples each ray walks the hierarchy alone, once anything at all is in
 /// the way; with more, one pyramid around all of them does. Either way the same planes decide.
-const SINGLE_RAYS: usize = 4;
+const SINGLE_RAYS: usize = 12;
 
 /// Receivers per task.
 const BAND: usize = 512;
