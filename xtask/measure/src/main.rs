@@ -1,6 +1,7 @@
 //! Measurements of the workspace: `cargo xtask bench` and `cargo xtask figures` run this program.
 
 mod bench;
+mod figures;
 
 use std::process::ExitCode;
 
@@ -12,6 +13,7 @@ fn main() -> ExitCode {
     let rest: Vec<String> = arguments.collect();
     match command.as_str() {
         "bench" => bench::run(&rest),
+        "figures" => figures::run(&rest),
         _ => {
             eprintln!("{HELP}");
             ExitCode::from(2)

@@ -1,0 +1,130 @@
+//! A scene on stage: a camera before it, its truth, and what every method makes of its light.
+
+use glam::Vec3;
+use reference::{Samples, Tracer, truth};
+use renderer::camera::{CameraOptions, choose, view};
+use renderer::compare::{Comparison, compare};
+use renderer::frame::{Frame, Goal, Shot};
+use renderer::lighting::LightJob;
+use renderer::picture::{self, Display, Values};
+use renderer::prepared::Prepared;
+use renderer::receivers;
+use renderer::scene::{Scene, SceneLight};
+use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
+
+use super::picture::Picture;
+use super::way::Way;
+
+/// A scene, its camera, and memory to draw frames in.
+pub struct Stage<'a> {
+    prepared: Prepared<'a>,
+    tracer: Tracer<'a>,
+    camera: View,
+    frame: Frame,
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+/// What one way of making shadows says of every pixel.
+pub struct Shadow {
+    /// Visibility, row-major.
+    pub values: Vec<f32>,
+    /// Milliseconds for maps, channels and visibility: all that the shadows cost.
+    pub milliseconds: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// The scene before its own camera, `size` pixels wide and high.
+    pub fn new(scene: &'a Scene, size: u32) -> Stage<'a> {
+        let camera = choose(scene, &CameraOptions::default()).expect("figures have good cameras");
+        let camera = view(&camera, [size, size], scene.bounds());
+        Stage::with_camera(scene, camera, Threads::Pool)
+    }
+
+    /// The scene before any camera.
+    pub fn with_camera(scene: &'a Scene, camera: View, threads: Threads) -> Stage<'a> {
+        let prepared = Prepared::new(scene);
+        let tracer = Tracer::new(&scene.mesh.as_mesh());
+        let mut stage = Stage {
+            prepared,
+            tracer,
+            camera,
+            frame: Frame::new(Level::detect(), threads),
+            positions: Vec::new(),
+            normals: Vec::new(),
+        };
+        stage.draw(&[], Goal::Camera);
+        let count = camera.width() as usize * camera.height() as usize;
+        stage.positions.resize(count, Vec3::ZERO);
+        stage.normals.resize(count, Vec3::ZERO);
+        let surfaces = Surfaces::Table(stage.prepared.surfaces());
+        let map = stage.frame.camera().as_depth_map();
+        let seen = Camera::new(&stage.camera, map, surfaces).expect("drawn in the camera's size");
+        receivers::world(&seen, threads, &mut stage.positions, &mut stage.normals);
+        stage
+    }
+
+    /// Pixels per row.
+    pub fn width(&self) -> usize {
+        self.camera.width() as usize
+    }
+
+    /// World positions of all pixels.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// The first light of the scene of the same kind as `like`.
+    pub fn light(&self, is: impl Fn(&Light) -> bool) -> &'a SceneLight {
+        let found = self.prepared.scene().lights.iter().find(|light| is(&light.light));
+        found.expect("the scene has such a light")
+    }
+
+    /// What 4096 rays per pixel see of a light.
+    pub fn truth(&self, light: &SceneLight) -> Vec<f32> {
+        let mesh = self.prepared.scene().mesh.as_mesh();
+        truth::cached(&mesh, &self.positions, &self.normals, &light.light, Samples::TRUTH)
+    }
+
+    /// The shadows of a light, made one way. The time is the best of `repeats`.
+    pub fn shadow(&mut self, light: &SceneLight, way: &Way, repeats: usize) -> Shadow {
+        let job = self.job(light, way);
+        let mut milliseconds = f64::INFINITY;
+        for _ in 0..repeats.max(1) {
+            self.draw(std::slice::from_ref(&job), Goal::Visibility);
+            let times = self.frame.times();
+            let shadows = times.light_maps + times.visibility_channel + times.shadow;
+            milliseconds = milliseconds.min(shadows.as_secs_f64() * 1e3);
+        }
+        Shadow { values: self.frame.visibility()[0].clone(), milliseconds }
+    }
+
+    /// The picture with such shadows.
+    pub fn picture(&mut self, light: &SceneLight, way: &Way) -> Picture {
+        let job = self.job(light, way);
+        self.draw(std::slice::from_ref(&job), Goal::Srgb);
+        Picture::srgb(self.width(), self.frame.srgb())
+    }
+
+    /// How far `found` is from `truth`.
+    pub fn compare(&self, found: &[f32], truth: &[f32]) -> Comparison {
+        let [found, truth] = [found, truth].map(|values| picture::Picture {
+            width: self.camera.width(),
+            height: self.camera.height(),
+            channels: 1,
+            values: Values::Floats(values.to_vec(), Display::Unit),
+        });
+        compare(&found, &truth, &truth).expect("both are of the camera's size")
+    }
+
+    fn job(&self, light: &SceneLight, way: &Way) -> LightJob {
+        LightJob::new(light, &way.options(), &self.prepared)
+            .expect("figures draw each light with methods that fit it")
+    }
+
+    fn draw(&mut self, lights: &[LightJob], goal: Goal) {
+        let (prepared, camera) = (&self.prepared, &self.camera);
+        let tracer = Some(&self.tracer);
+        self.frame.render(&Shot { prepared, camera, aa: 1, lights, tracer, goal });
+    }
+}
