@@ -1,9 +1,22 @@
-//! Soft shadow maps for linear lights.
+//! Soft shadow maps for linear lights: Heidrich, Brabec and Seidel, *Soft Shadow Maps for Linear
+//! Lights*, Eurographics Rendering Workshop 2000.
 #![no_std]
 #![deny(unsafe_code)]
 
 extern crate alloc;
 
+mod channel;
+mod counters;
+mod discontinuity;
+mod shading;
+mod silhouette;
+mod skin_spans;
+mod skins;
 mod views;
 
+pub use channel::VisibilityChannels;
+pub use counters::Counters;
+pub use discontinuity::{Discontinuity, EdgeFilter};
+pub use shading::{SkinShadow, visibility};
+pub use skins::{SkinOptions, Transition};
 pub use views::{MAX_TANGENT, RectifiedLight, SampleViews};

@@ -14,8 +14,8 @@ use shadowmap_core::{LightPoint, View, Window};
 /// What lies beyond, close to the light's own line, falls outside every map.
 pub const MAX_TANGENT: f64 = 4.0;
 
-/// Texels left free around a fitted window, for whatever looks at a texel's neighbours.
-const MARGIN: f64 = 2.0;
+/// Texels left free around a fitted window, for rounding.
+const MARGIN: f64 = 1.0 / 32.0;
 
 /// The rectified views of one frustum: `len()` samples at equal steps from end to end of the
 /// light.

@@ -1,0 +1,142 @@
+//! The visibility channels of a light's samples (section 3).
+
+use alloc::vec::Vec;
+
+use shadowmap_core::{BandSlice, DepthMap, for_each_band};
+
+use crate::discontinuity::{Rows, Side};
+use crate::skin_spans::SpanRow;
+use crate::{SampleViews, SkinOptions};
+
+/// Rows per band of work.
+const BAND: usize = 4;
+
+/// The visibility channels of a light's N samples, kept from frame to frame.
+///
+/// The paper's channel V_k says how much of the light a point sees that only sample k sees of the
+/// two ends of a segment, and one half if both do, *as of the texel*. Receivers are finer than
+/// texels: along the end of a penumbra a pixel may be seen by both samples while its texel is not,
+/// and the sum comes to 1.5, or to 0.5 the other way round. So what is kept here are the skins
+/// alone, for either end of each segment, and whether both samples see a point is decided where it
+/// is shaded ([`crate::SkinShadow`]). [`VisibilityChannels::channel`] gives the paper's V_k.
+#[derive(Clone, Debug, Default)]
+pub struct VisibilityChannels {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) segments: usize,
+    /// For each row, for each segment, for its first and its last sample: one row of the fraction
+    /// of the segment that is seen, from that sample on, up to the nearest skin. 1 where none is.
+    pub(crate) seen: Vec<f32>,
+    /// The nearness that moves a skin's edge by one texel.
+    pub(crate) texel_in_nearness: f32,
+}
+
+impl VisibilityChannels {
+    /// Without maps yet.
+    #[must_use]
+    pub const fn new() -> VisibilityChannels {
+        VisibilityChannels {
+            width: 0,
+            height: 0,
+            segments: 0,
+            seen: Vec::new(),
+            texel_in_nearness: 0.0,
+        }
+    }
+
+    /// Makes the channels of rectified maps, one map per view.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many maps as views, or one is of another size than the views.
+    pub fn draw_rectified(
+        &mut self,
+        views: &SampleViews,
+        maps: &[DepthMap<'_>],
+        options: &SkinOptions,
+    ) {
+        let view = &views.views()[0];
+        self.reset(views.views().len(), [view.width(), view.height()], maps);
+        self.texel_in_nearness = 1.0 / views.disparity();
+        let (width, height) = (self.width, self.height);
+        let row_len = 2 * self.segments * width;
+        if width == 0 {
+            return;
+        }
+        let bands = BandSlice { data: &mut self.seen, len: BAND * row_len };
+        for_each_band(options.threads, bands, &|band, rows| {
+            for (row, channels) in rows.data.chunks_exact_mut(row_len).enumerate() {
+                let y = band * BAND + row;
+                for (channel, out) in channels.chunks_exact_mut(width).enumerate() {
+                    let segment = channel / 2;
+                    // Skins hang in the map of the segment's other end.
+                    let (from, to, side) = match channel % 2 {
+                        0 => (segment + 1, segment, Side::Right),
+                        _ => (segment, segment + 1, Side::Left),
+                    };
+                    let row = SpanRow {
+                        from: Rows::of(maps[from].nearness(), width, height, y),
+                        to: &maps[to].nearness()[y * width..][..width],
+                        disparity: views.disparity(),
+                        side,
+                        discontinuity: options.discontinuity,
+                        transition: options.transition,
+                    };
+                    row.draw(options.level, out);
+                }
+            }
+        });
+    }
+
+    /// Makes room for the channels of `samples` maps.
+    pub(crate) fn reset(&mut self, samples: usize, size: [u32; 2], maps: &[DepthMap<'_>]) {
+        assert!(samples >= 2, "a linear light needs a sample at either end");
+        assert_eq!(maps.len(), samples, "one map per view");
+        for map in maps {
+            assert_eq!([map.width(), map.height()], size, "the maps are of the views' size");
+        }
+        [self.width, self.height] = size.map(|s| s as usize);
+        self.segments = samples - 1;
+        self.seen.resize(2 * self.segments * self.width * self.height, 1.0);
+    }
+
+    /// Samples that there are channels for; 0 before the first drawing.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        if self.segments == 0 { 0 } else { self.segments + 1 }
+    }
+
+    /// One row of the fraction of `segment` that is seen, up to the nearest skin, from its first
+    /// sample (`end` 0) or its last (`end` 1).
+    #[inline]
+    pub(crate) fn row(&self, segment: usize, end: usize, y: usize) -> &[f32] {
+        &self.seen[((y * self.segments + segment) * 2 + end) * self.width..][..self.width]
+    }
+
+    /// Writes the visibility channel V_k of section 3.2, row-major: under a skin the fraction of a
+    /// segment that is seen, elsewhere one half, and for a sample between two segments the sum of
+    /// both. Each segment counts 1 / (N - 1), so that the channels of a point that every sample
+    /// sees add up to 1.
+    ///
+    /// # Panics
+    ///
+    /// If there is no sample `k`, or `out` has another length than a map.
+    pub fn channel(&self, k: usize, out: &mut [f32]) {
+        assert!(k < self.samples(), "no such sample");
+        assert_eq!(out.len(), self.width * self.height, "one visibility per texel");
+        if self.width == 0 {
+            return;
+        }
+        let weight = 1.0 / self.segments as f32;
+        let before = k.checked_sub(1).map(|segment| (segment, 1));
+        let after = (k < self.segments).then_some((k, 0));
+        for (y, out) in out.chunks_exact_mut(self.width).enumerate() {
+            out.fill(0.0);
+            for (segment, end) in before.into_iter().chain(after) {
+                for (out, &seen) in out.iter_mut().zip(self.row(segment, end, y)) {
+                    *out += if seen < 1.0 { seen * weight } else { 0.5 * weight };
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Skins between rectified maps: spans along a row (section 3.2).
+//!
+//! A skin hangs from a blocker's edge along the source sample's ray, so its column e in the
+//! source's row is the same at every nearness. In the destination's, whose sample is one step
+//! further, it is `e - disparity * n`: a span of texels from the blocker to the receiver. Of two
+//! skins over one texel the one with the greater e is nearer, so drawing the edges of a row in
+//! order leaves the nearest on top, and no depth buffer of skins is needed.
+
+use shadowmap_core::{Level, LevelKind};
+
+use crate::discontinuity::{BLOCK, Discontinuity, Rows, Side, mark};
+use crate::silhouette::{across_rows, in_both};
+use crate::skins::Transition;
+
+/// One row of one directed segment.
+#[derive(Clone, Copy)]
+pub(crate) struct SpanRow<'a> {
+    /// The source's map, around the row.
+    pub from: Rows<'a>,
+    /// Nearness of the destination's row.
+    pub to: &'a [f32],
+    /// Columns that nearness 1 moves by between the two maps, positive.
+    pub disparity: f32,
+    /// `Left` if the destination is the next sample, `Right` if it is the previous one.
+    pub side: Side,
+    pub discontinuity: Discontinuity,
+    pub transition: Transition,
+}
+
+impl SpanRow<'_> {
+    /// Writes the destination's row of the channel: the fraction of the segment, from its end of
+    /// it on, up to the nearest skin; 1 where no skin hides anything.
+    pub fn draw(&self, level: Level, out: &mut [f32]) {
+        assert!(out.len() == self.to.len() && out.len() == self.from.middle.len());
+        match level.kind() {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            // SAFETY: a `Level` of that kind is the proof that the machine has its instructions.
+            #[allow(unsafe_code)]
+            LevelKind::Avx512 => unsafe { self.draw_avx512(out) },
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            // SAFETY: as above.
+            #[allow(unsafe_code)]
+            LevelKind::Avx2 => unsafe { self.draw_avx2(out) },
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            // SAFETY: as above.
+            #[allow(unsafe_code)]
+            LevelKind::Sse41 => unsafe { self.draw_sse41(out) },
+            // NEON and simd128 are on for the whole crate wherever they are at all.
+            _ => self.draw_kernel(out),
+        }
+    }
+
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+    fn draw_avx512(&self, out: &mut [f32]) {
+        self.draw_kernel(out);
+    }
+
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[target_feature(enable = "avx2")]
+    fn draw_avx2(&self, out: &mut [f32]) {
+        self.draw_kernel(out);
+    }
+
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[target_feature(enable = "sse4.1")]
+    fn draw_sse41(&self, out: &mut [f32]) {
+        self.draw_kernel(out);
+    }
+
+    #[inline(always)]
+    fn draw_kernel(&self, out: &mut [f32]) {
+        out.fill(1.0);
+        let least = self.discontinuity.threshold / self.disparity;
+        let mut marks = [0; BLOCK];
+        let blocks = out.len().saturating_sub(1).div_ceil(BLOCK);
+        for block in 0..blocks {
+            // From the farthest skin to the nearest.
+            let first = BLOCK
+                * match self.side {
+                    Side::Left => block,
+                    Side::Right => blocks - 1 - block,
+                };
+            mark(&self.from, self.discontinuity.filter, self.side, least, first, &mut marks);
+            let mut bits = bits_of(&marks);
+            while bits != 0 {
+                let next = match self.side {
+                    Side::Left => bits.trailing_zeros(),
+                    Side::Right => 63 - bits.leading_zeros(),
+                };
+                bits &= !(1 << next);
+                self.draw_skin(first + next as usize, out);
+            }
+        }
+    }
+
+    /// Draws the skin between columns `x` and `x + 1` of the source.
+    #[inline(always)]
+    fn draw_skin(&self, x: usize, out: &mut [f32]) {
+        let sign = self.side.sign();
+        let shift = self.disparity * sign;
+        let (left, right) = (self.from.middle[x], self.from.middle[x + 1]);
+        let (blocker, receiver, blocker_column) = match self.side {
+            Side::Left => (left, right, x as f32 + 0.5),
+            Side::Right => (right, left, x as f32 + 1.5),
+        };
+        let edge = across_rows(&self.from, x, self.side);
+        let seen_at = edge - shift * blocker;
+        let start = in_both(self.to, seen_at, blocker, self.side, self.disparity);
+        let edge = edge + (start - seen_at);
+        let end = edge - shift * receiver;
+        // A texel of the destination is behind the skin if, in the source's map, it lies past the
+        // centre of the blocker's last texel. Up to there, skin and surface may be the same thing.
+        let known = match self.side {
+            Side::Left => edge.min(blocker_column),
+            Side::Right => edge.max(blocker_column),
+        };
+
+        // Texels whose centres lie between start and end. Casts saturate, and NaN becomes 0.
+        let (low, high) = if start < end { (start, end) } else { (end, start) };
+        let past = ((high + 0.5) as usize).min(out.len());
+        let first = ((low + 0.5) as usize).min(past);
+        let span = out[first..past].iter_mut().zip(&self.to[first..past]).enumerate();
+        let column = |i: usize| (first as u32 + i as u32) as f32 + 0.5;
+        let hidden = |u: f32, n: f32| ((u + shift * n) - known) * sign < 0.0;
+        match self.transition {
+            Transition::Linear => {
+                let per_texel = 1.0 / (end - start);
+                for (i, (out, &n)) in span {
+                    let u = column(i);
+                    *out = if hidden(u, n) { unit((u - start) * per_texel) } else { *out };
+                }
+            }
+            Transition::Rational => {
+                for (i, (out, &n)) in span {
+                    let u = column(i);
+                    let seen = unit((u - start) / (shift * (blocker - n)));
+                    *out = if hidden(u, n) { seen } else { *out };
+                }
+            }
+        }
+    }
+}
+
+/// Clamped to \[0, 1\], NaN to 0, as compares and selects.
+#[inline(always)]
+fn unit(t: f32) -> f32 {
+    let t = if t > 0.0 { t } else { 0.0 };
+    if t < 1.0 { t } else { 1.0 }
+}
+
+/// One bit per mark, the first the lowest.
+#[inline(always)]
+fn bits_of(marks: &[u8; BLOCK]) -> u64 {
+    let mut bits = 0;
+    for (i, eight) in marks.as_chunks::<8>().0.iter().enumerate() {
+        // Gathers the lowest bits of eight bytes in the topmost byte.
+        let gathered = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        bits |= gathered << (8 * i);
+    }
+    bits
+}
