@@ -8,6 +8,7 @@ mod paper2000;
 mod paper2002;
 mod picture;
 mod plot;
+mod samples;
 mod scenes;
 mod stage;
 mod time;
@@ -41,6 +42,7 @@ type Part = (&'static str, fn(&Effort) -> Section);
 const PARTS: &[Part] = &[
     ("2000-1", paper2000::figure_1),
     ("2000-2", paper2000::figure_2),
+    ("2000-4", paper2000::figure_4),
     ("2000-8", paper2000::figure_8),
     ("2000-9", paper2000::figure_9),
     ("2000-10", paper2000::figure_10),

@@ -113,6 +113,7 @@ figcaption { color: var(--soft); font-size: 0.88rem; line-height: 1.4; margin-to
 .plot { max-width: 44rem; margin: 1rem 0; }
 .plot svg { display: block; width: 100%; height: auto; }
 .legend { list-style: none; margin: 0.2rem 0 0 2.5rem; padding: 0; display: flex; flex-wrap: wrap; gap: 0.1rem 1.2rem; font-size: 0.85rem; }
+.legend span { font-size: 1.3em; font-weight: 700; line-height: 1; }
 .plots { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(min(100%, 28rem), 1fr)); }
 .wide { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; }

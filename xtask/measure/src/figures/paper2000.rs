@@ -10,6 +10,7 @@ use super::gallery::{Gallery, Of, section};
 use super::line::Line;
 use super::page::{Section, Tiles};
 use super::plot::{Axes, Curve, Scale, Stroke, plot};
+use super::samples::Samples;
 use super::scenes::{built_in, pair, slope, under_a_triangle};
 use super::stage::Stage;
 use super::way::Way;
@@ -50,7 +51,7 @@ pub fn figure_2(effort: &Effort) -> Section {
     let axes = Axes {
         x: "position along the receiver, x (m)",
         y: "visibility",
-        scale: Scale::Linear([0.0, 1.0]),
+        scale: Scale::Linear([0.0, 1.05]),
     };
     let draw = |scene: &Scene, ends: [f32; 2], height: f32| {
         let mut line = Line::new(scene, ends, 0.0, height, count);
@@ -72,6 +73,28 @@ pub fn figure_2(effort: &Effort) -> Section {
                 div { h3 { "The receiver leans by 25 degrees" } (leaning) }
             }
         },
+        pictures: Vec::new(),
+    }
+}
+
+/// Skins, and what each sample contributes.
+pub fn figure_4(effort: &Effort) -> Section {
+    let scene = built_in("blocker");
+    let samples = Samples::new(&scene, 2, if effort.quick { 256 } else { 512 });
+    let Light::Linear { a, b } = scene.lights[0].light else { unreachable!("a linear light") };
+    let [left, right] = [0, 1].map(|k| samples.cut(k, 0.0, 3.5));
+    let ends = [a, b].map(|p| (f64::from(p.x), f64::from(p.y)));
+    let curves = [
+        Curve::new("light", Stroke::Truth, ends.to_vec()),
+        Curve::new("surfaces in the left map", Stroke::Line, left.surfaces),
+        Curve::new("skins in the right map", Stroke::Dashed, right.skins),
+        Curve::new("skins in the left map", Stroke::Dashed, left.skins),
+    ];
+    let axes = Axes { x: "x (m)", y: "height (m)", scale: Scale::Linear([0.0, 4.5]) };
+    Section {
+        id: "2000-4",
+        title: "2000, figure 4: skins between the maps of two samples".to_owned(),
+        body: plot(axes, &curves),
         pictures: Vec::new(),
     }
 }

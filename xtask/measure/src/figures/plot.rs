@@ -37,7 +37,7 @@ pub enum Stroke {
 pub struct Curve {
     /// As the legend calls it.
     pub name: String,
-    /// In the order in which they are joined.
+    /// In the order in which they are joined; the line is broken where one is NaN.
     pub points: Vec<(f64, f64)>,
     /// How it is drawn.
     pub stroke: Stroke,
@@ -74,22 +74,33 @@ pub fn plot(axes: Axes<'_>, curves: &[Curve]) -> Markup {
     let mut legend = Vec::new();
     let mut looks = LOOKS.into_iter().cycle();
     for curve in curves {
-        let truth = curve.stroke == Stroke::Truth;
-        let fallback = (GRAY, MarkerShape::Circle, "━");
-        let look = if truth { None } else { looks.next() };
-        let (color, marker, glyph) = look.unwrap_or(fallback);
-        let points = curve.points.iter().copied();
-        let line = LinePlot::new().with_data(points.clone()).with_color(color);
-        let (line, sign) = match curve.stroke {
-            Stroke::Truth => (line.with_stroke_width(5.0), "━"),
-            Stroke::Line => (line.with_stroke_width(2.0), "—"),
-            Stroke::Dashed => (line.with_stroke_width(2.0).with_dashed(), "╌"),
-            Stroke::Marked => (line.with_stroke_width(1.5), glyph),
+        let (color, marker, glyph) = match curve.stroke {
+            Stroke::Truth => (GRAY, MarkerShape::Circle, ""),
+            _ => looks.next().expect("the looks never end"),
         };
-        plots.push(line.into());
-        if curve.stroke == Stroke::Marked {
-            let dots = ScatterPlot::new().with_data(points).with_color(color).with_size(4.0);
-            plots.push(dots.with_marker(marker).into());
+        let sign = match curve.stroke {
+            Stroke::Truth => "━",
+            Stroke::Line => "—",
+            Stroke::Dashed => "╌",
+            Stroke::Marked => glyph,
+        };
+        for points in curve.points.split(|(x, y)| x.is_nan() || y.is_nan()) {
+            if points.is_empty() {
+                continue;
+            }
+            let line = LinePlot::new().with_data(points.iter().copied()).with_color(color);
+            let line = match curve.stroke {
+                Stroke::Truth => line.with_stroke_width(5.0),
+                Stroke::Line => line.with_stroke_width(2.0),
+                Stroke::Dashed => line.with_stroke_width(2.0).with_dashed(),
+                Stroke::Marked => line.with_stroke_width(1.5),
+            };
+            plots.push(line.into());
+            if curve.stroke == Stroke::Marked {
+                let dots = ScatterPlot::new().with_data(points.iter().copied());
+                let dots = dots.with_color(color).with_size(4.0).with_marker(marker);
+                plots.push(dots.into());
+            }
         }
         legend.push((color, sign, &curve.name));
     }
