@@ -4,10 +4,13 @@
 #![deny(unsafe_code)]
 
 extern crate alloc;
+#[cfg(test)]
+extern crate std;
 
 mod channel;
 mod counters;
 mod discontinuity;
+mod intervals;
 mod shading;
 mod silhouette;
 mod skin_spans;
@@ -17,6 +20,7 @@ mod views;
 pub use channel::VisibilityChannels;
 pub use counters::Counters;
 pub use discontinuity::{Discontinuity, EdgeFilter};
+pub use intervals::{FrustumMaps, INTERVAL_BIAS, IntervalCounters, IntervalVisibility, SampleMap};
 pub use shading::{SkinShadow, visibility};
 pub use skins::{SkinOptions, Transition};
 pub use views::{MAX_TANGENT, RectifiedLight, SampleViews};

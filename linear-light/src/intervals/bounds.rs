@@ -1,0 +1,176 @@
+//! Planar bounds over the parts of a map: what lets whole blocks of receivers be decided without
+//! looking at texels.
+
+use alloc::vec::Vec;
+
+use super::lanes::{Greater, INDEX, LANES, Lanes, lanes, max};
+
+/// Rows of texels in a band, and in a node.
+pub(super) const BAND: usize = 8;
+
+/// Texels from a node's centre to the centres of its outermost texels.
+const HALF_COLUMNS: f32 = (LANES as f32 - 1.0) * 0.5;
+const HALF_ROWS: f32 = (BAND as f32 - 1.0) * 0.5;
+
+/// Sixteen nodes side by side, each over 16 columns of one band.
+///
+/// Texel n of a node, (x, y) texels from its centre, lies between
+/// `center + slope_u * x + slope_v * y + low` and the same with `high`. Texels that hold nothing do
+/// not count; a node of nothing has `high` = -inf and `low` = +inf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Nodes {
+    center: Lanes,
+    slope_u: Lanes,
+    slope_v: Lanes,
+    low: Lanes,
+    high: Lanes,
+    /// An upper bound of the nearness of all texels.
+    most: Lanes,
+}
+
+const NOTHING: Nodes = Nodes {
+    center: [0.0; LANES],
+    slope_u: [0.0; LANES],
+    slope_v: [0.0; LANES],
+    low: [f32::INFINITY; LANES],
+    high: [f32::NEG_INFINITY; LANES],
+    most: [0.0; LANES],
+};
+
+/// The bounds of one map.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bounds {
+    nodes: Vec<Nodes>,
+    /// Groups of nodes per band.
+    columns: usize,
+}
+
+/// Which texels can matter to a group of receivers on one plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    /// A texel at column s, row t with nearness w lies in front of the plane if
+    /// `a s + b t + c w + d` exceeds `bias`.
+    pub plane: [f32; 4],
+    pub bias: f32,
+    /// Columns that the receivers span, widened by what a texel reaches beyond its centre.
+    pub columns: [f32; 2],
+    /// The least nearness of the receivers.
+    pub nearness: f32,
+    /// Texels of disparity per nearness towards either side: light to the left and to the right.
+    pub reach: [f32; 2],
+}
+
+impl Bounds {
+    /// Makes room for a map of that size.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        self.columns = (width as usize).div_ceil(LANES * LANES).max(1);
+        let bands = (height as usize).div_ceil(BAND);
+        self.nodes.clear();
+        self.nodes.resize(self.columns * bands, NOTHING);
+    }
+
+    /// The nodes of all bands, and how many belong to one.
+    pub fn bands(&mut self) -> (&mut [Nodes], usize) {
+        (&mut self.nodes, self.columns)
+    }
+
+    /// Appends to `found` every segment (16 columns from 16 times its number) of a band in which
+    /// something can block.
+    #[inline(always)]
+    pub fn search(
+        &self,
+        greater: impl Greater,
+        band: usize,
+        search: &Search,
+        found: &mut Vec<u32>,
+    ) {
+        let [a, b, c, d] = search.plane;
+        let row = (band * BAND) as f32 + BAND as f32 * 0.5;
+        let nodes = &self.nodes[band * self.columns..(band + 1) * self.columns];
+        for (group, nodes) in nodes.iter().enumerate() {
+            let first = lanes(|i| ((group * LANES) as f32 + INDEX[i]) * LANES as f32);
+            let extreme = if c < 0.0 { &nodes.low } else { &nodes.high };
+            // The greatest that a texel of the node can lie in front of the plane.
+            let front = lanes(|i| {
+                let at_center =
+                    (a * (first[i] + LANES as f32 * 0.5) + (b * row + d)) + c * nodes.center[i];
+                let spread = (c * nodes.slope_u[i] + a).abs() * HALF_COLUMNS
+                    + (c * nodes.slope_v[i] + b).abs() * HALF_ROWS;
+                (at_center + spread) + c * extreme[i]
+            });
+            let mut mask = greater(&front, &[search.bias; LANES]);
+            if mask == 0 {
+                continue;
+            }
+            let nearer = lanes(|i| nodes.most[i] - search.nearness);
+            mask &= greater(&nearer, &[0.0; LANES]);
+            let rightmost = lanes(|i| search.columns[1] + search.reach[1] * nearer[i]);
+            mask &= greater(&rightmost, &first);
+            let leftmost = lanes(|i| search.columns[0] - search.reach[0] * nearer[i]);
+            mask &= greater(&lanes(|i| first[i] + LANES as f32), &leftmost);
+            while mask != 0 {
+                found.push((group * LANES) as u32 + mask.trailing_zeros());
+                mask &= mask - 1;
+            }
+        }
+    }
+}
+
+/// Bounds the texels of one band of a map: `rows` holds its rows, of `width` texels each.
+#[inline(always)]
+pub(super) fn build(band: &mut [Nodes], rows: &[f32], width: usize) {
+    for (group, nodes) in band.iter_mut().enumerate() {
+        *nodes = NOTHING;
+        for node in 0..LANES {
+            let x0 = (group * LANES + node) * LANES;
+            if x0 >= width {
+                break;
+            }
+            nodes.bound(node, rows, width, x0);
+        }
+    }
+}
+
+impl Nodes {
+    #[inline(always)]
+    fn bound(&mut self, node: usize, rows: &[f32], width: usize, x0: usize) {
+        let columns = (width - x0).min(LANES);
+        let height = rows.len() / width;
+        let mut texels = [[0.0_f32; LANES]; BAND];
+        for (y, line) in texels.iter_mut().enumerate().take(height) {
+            let from = y * width + x0;
+            if columns == LANES {
+                line.copy_from_slice(&rows[from..from + LANES]);
+            } else {
+                line[..columns].copy_from_slice(&rows[from..from + columns]);
+            }
+        }
+        // The slope at the centre, where something is there.
+        let (cx, cy) = (LANES / 2, BAND / 2);
+        let at = texels[cy][cx];
+        let slope = |before: f32| if at > 0.0 && before > 0.0 { at - before } else { 0.0 };
+        let (slope_u, slope_v) = (slope(texels[cy][cx - 1]), slope(texels[cy - 1][cx]));
+        let finite = (at + slope_u + slope_v).is_finite() && at > 0.0;
+        let (at, slope_u, slope_v) = if finite { (at, slope_u, slope_v) } else { (0.0, 0.0, 0.0) };
+        let center = at - 0.5 * (slope_u + slope_v);
+        let along = lanes(|i| center + slope_u * (INDEX[i] - HALF_COLUMNS));
+        let (mut low, mut high, mut most) =
+            ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES], [0.0; LANES]);
+        for (y, line) in texels.iter().enumerate() {
+            let across = slope_v * (y as f32 - HALF_ROWS);
+            for i in 0..LANES {
+                let residual = line[i] - (along[i] + across);
+                let there = line[i] > 0.0;
+                low[i] = if there && residual < low[i] { residual } else { low[i] };
+                high[i] = if there && residual > high[i] { residual } else { high[i] };
+                most[i] = max(line[i], most[i]);
+            }
+        }
+        self.center[node] = center;
+        self.slope_u[node] = slope_u;
+        self.slope_v[node] = slope_v;
+        self.low[node] = super::lanes::least(&low);
+        self.high[node] = super::lanes::greatest(&high);
+        self.most[node] = super::lanes::greatest(&most);
+    }
+}

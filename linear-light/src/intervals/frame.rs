@@ -1,0 +1,129 @@
+//! What stays the same while a frame's receivers are judged.
+
+use glam::Vec3;
+use shadowmap_core::{Bias, Camera, DepthMap, Plane, View, Warp};
+
+use super::bounds::Bounds;
+use super::scan::STEEPEST;
+use crate::SampleViews;
+
+/// One depth map of a linear light.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleMap<'a> {
+    /// Which point of the light the map is taken from: 0 at its first end, 1 at its last. The map is
+    /// that of [`SampleViews::view_at`].
+    pub t: f32,
+    /// The map.
+    pub map: DepthMap<'a>,
+}
+
+/// The maps of one frustum of a linear light.
+#[derive(Clone, Copy, Debug)]
+pub struct FrustumMaps<'a> {
+    /// The frustum.
+    pub views: &'a SampleViews,
+    /// At least two maps, `t` ascending from 0 to 1.
+    pub samples: &'a [SampleMap<'a>],
+}
+
+/// A frustum of the light as the kernels use it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frustum<'a> {
+    pub samples: &'a [SampleMap<'a>],
+    pub bounds: &'a [Bounds],
+    /// Camera texel space to that of the map from the middle of the light.
+    pub warp: [[f32; 4]; 4],
+    /// The directions of the world that are columns and rows, homogeneous.
+    pub across: [[f32; 4]; 2],
+    /// Texels of disparity per nearness from end to end of the light.
+    pub disparity: f32,
+    /// The footprint of a texel along a row and down the map, as a fraction of the nearness.
+    pub footprint: [f32; 2],
+    pub size: [u32; 2],
+}
+
+impl<'a> Frustum<'a> {
+    pub fn new(camera: &View, maps: &FrustumMaps<'a>, bounds: &'a [Bounds]) -> Frustum<'a> {
+        let middle = maps.views.view_at(0.5);
+        let rows = middle.inverse_rows();
+        let focal = middle.focal();
+        let segments = (maps.views.views().len() - 1) as f32;
+        Frustum {
+            samples: maps.samples,
+            bounds,
+            warp: *Warp::new(camera, &middle).rows(),
+            across: [0, 1].map(|column| rows.map(|row| row[column])),
+            disparity: maps.views.disparity() * segments,
+            footprint: [1.0 / focal.x, 1.0 / focal.y],
+            size: [middle.width(), middle.height()],
+        }
+    }
+
+    pub fn steepest(&self) -> f32 {
+        STEEPEST * self.footprint[0]
+    }
+
+    /// The part of the light that the map of a sample judges: from its neighbour before to its
+    /// neighbour after.
+    pub fn span(&self, sample: usize) -> [f32; 2] {
+        let last = self.samples.len() - 1;
+        [self.samples[sample.saturating_sub(1)].t, self.samples[(sample + 1).min(last)].t]
+    }
+}
+
+/// Everything that the kernels read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<'a> {
+    pub camera: Camera<'a>,
+    pub frusta: [Option<Frustum<'a>>; MAX_FRUSTA],
+    /// The ends of the light, homogeneous.
+    pub ends: [[f32; 4]; 2],
+    pub bias: Bias,
+}
+
+/// As many frusta as there are around a light.
+pub(super) const MAX_FRUSTA: usize = 4;
+
+/// The plane of receivers whose plane is not known: they count as parallel to the maps' image, and
+/// as above every horizon.
+pub(super) const UNKNOWN: Plane = Plane([0.0; 4]);
+
+/// The plane of a group of receivers, and what it says about the light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facing {
+    pub plane: Plane,
+    /// How far in front of the plane the ends of the light are, times positive factors.
+    pub ends: [f32; 2],
+    /// The parameters between which the light is above the receivers' horizon.
+    pub horizon: [f32; 2],
+}
+
+impl Facing {
+    /// The plane turned to the side that the camera sees; `None` if that side sees no light at all.
+    pub fn new(frame: &Frame<'_>, plane: Plane) -> Option<Facing> {
+        let side = plane.side_of(frame.camera.view().eye());
+        let plane = if side < 0.0 { Plane(plane.0.map(|x| -x)) } else { plane };
+        let ends = frame.ends.map(|end| plane.side_of(end));
+        let [a, b] = ends;
+        if plane == UNKNOWN || !(a.is_finite() && b.is_finite()) {
+            return Some(Facing { plane: UNKNOWN, ends: [1.0; 2], horizon: [0.0, 1.0] });
+        }
+        let horizon = match (a > 0.0, b > 0.0) {
+            (true, true) => [0.0, 1.0],
+            (true, false) => [0.0, a / (a - b)],
+            (false, true) => [a / (a - b), 1.0],
+            (false, false) => return None,
+        };
+        Some(Facing { plane, ends, horizon })
+    }
+
+    /// How much of the light is above the horizon.
+    pub fn open(&self) -> f32 {
+        self.horizon[1] - self.horizon[0]
+    }
+}
+
+/// A homogeneous point.
+pub(super) fn point(p: Vec3) -> [f32; 4] {
+    p.extend(1.0).to_array()
+}

@@ -1,0 +1,147 @@
+//! The one operation that every instruction set writes by hand, and the door to the kernels.
+
+use shadowmap_core::{Level, LevelKind};
+
+use super::block::{self, Counters};
+use super::bounds::{self, Nodes};
+use super::frame::Frame;
+use super::group::Scratch;
+use super::lanes::{Greater, LANES, Lanes};
+
+/// What is done with kernels: one band of rows at a time.
+pub(super) enum Job<'a> {
+    /// Bound the texels of a band of a map.
+    Bound { nodes: &'a mut [Nodes], rows: &'a [f32], width: usize },
+    /// Judge the receivers of a band of the camera's image, from row `first_row` on.
+    Judge {
+        frame: &'a Frame<'a>,
+        first_row: usize,
+        out: &'a mut [f32],
+        scratch: &'a mut Scratch,
+        counters: &'a mut Counters,
+    },
+}
+
+impl Job<'_> {
+    #[inline(always)]
+    fn run(self, greater: impl Greater) {
+        match self {
+            Job::Bound { nodes, rows, width } => bounds::build(nodes, rows, width),
+            Job::Judge { frame, first_row, out, scratch, counters } => {
+                block::judge_band(greater, frame, first_row, out, scratch, counters);
+            }
+        }
+    }
+}
+
+/// Does a job with the instructions of `level`, and plainly where the level is of another
+/// architecture than this program.
+#[allow(unsafe_code)]
+pub(super) fn run(level: Level, job: Job<'_>) {
+    match level.kind() {
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        LevelKind::Sse41 => unsafe { x86::sse41(job) },
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        LevelKind::Avx2 => unsafe { x86::avx2(job) },
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        LevelKind::Avx512 => unsafe { x86::avx512(job) },
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(target_arch = "aarch64")]
+        LevelKind::Neon => unsafe { neon::neon(job) },
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(target_arch = "wasm32")]
+        LevelKind::Simd128 => unsafe { wasm::simd128(job) },
+        _ => plain(job),
+    }
+}
+
+fn plain(job: Job<'_>) {
+    job.run(|a: &Lanes, b: &Lanes| {
+        let mut bits = 0;
+        for i in 0..LANES {
+            bits |= u32::from(a[i] > b[i]) << i;
+        }
+        bits
+    });
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+mod x86 {
+    #[cfg(target_arch = "x86")]
+    use core::arch::x86::*;
+    #[cfg(target_arch = "x86_64")]
+    use core::arch::x86_64::*;
+
+    use bytemuck::cast;
+
+    use super::super::lanes::Lanes;
+    use super::Job;
+
+    #[target_feature(enable = "sse4.1")]
+    pub(super) fn sse41(job: Job<'_>) {
+        job.run(|a: &Lanes, b: &Lanes| {
+            let (a, b): ([__m128; 4], [__m128; 4]) = (cast(*a), cast(*b));
+            let bits = |i: usize| _mm_movemask_ps(_mm_cmpgt_ps(a[i], b[i])) as u32;
+            bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
+        });
+    }
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn avx2(job: Job<'_>) {
+        job.run(|a: &Lanes, b: &Lanes| {
+            let (a, b): ([__m256; 2], [__m256; 2]) = (cast(*a), cast(*b));
+            let bits =
+                |i: usize| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a[i], b[i])) as u32;
+            bits(0) | bits(1) << 8
+        });
+    }
+
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+    pub(super) fn avx512(job: Job<'_>) {
+        job.run(|a: &Lanes, b: &Lanes| {
+            u32::from(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(cast(*a), cast(*b)))
+        });
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+mod neon {
+    use core::arch::aarch64::*;
+
+    use bytemuck::cast;
+
+    use super::super::lanes::Lanes;
+    use super::Job;
+
+    #[target_feature(enable = "neon")]
+    pub(super) fn neon(job: Job<'_>) {
+        const BITS: [u32; 4] = [1, 2, 4, 8];
+        job.run(|a: &Lanes, b: &Lanes| {
+            let (a, b): ([float32x4_t; 4], [float32x4_t; 4]) = (cast(*a), cast(*b));
+            let bits = |i: usize| vaddvq_u32(vandq_u32(vcgtq_f32(a[i], b[i]), cast(BITS)));
+            bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
+        });
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+mod wasm {
+    use core::arch::wasm32::*;
+
+    use bytemuck::cast;
+
+    use super::super::lanes::Lanes;
+    use super::Job;
+
+    #[target_feature(enable = "simd128")]
+    pub(super) fn simd128(job: Job<'_>) {
+        job.run(|a: &Lanes, b: &Lanes| {
+            let (a, b): ([v128; 4], [v128; 4]) = (cast(*a), cast(*b));
+            let bits = |i: usize| u32::from(u32x4_bitmask(f32x4_gt(a[i], b[i])));
+            bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
+        });
+    }
+}

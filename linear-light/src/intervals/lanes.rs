@@ -1,0 +1,102 @@
+//! Sixteen numbers at a time.
+//!
+//! Arithmetic is written on plain arrays, which the compiler turns into vector instructions of
+//! whatever width the calling function may use. Only turning comparisons into bits has to be spelled
+//! out per instruction set: every kernel takes a `Greater` for that.
+
+/// Numbers in one vector, and texels in one segment of a map's row.
+pub(super) const LANES: usize = 16;
+
+pub(super) type Lanes = [f32; LANES];
+
+/// Bit i says whether the first operand's lane i is greater than the second's. False for NaN.
+pub(super) trait Greater: Fn(&Lanes, &Lanes) -> u32 + Copy {}
+impl<F: Fn(&Lanes, &Lanes) -> u32 + Copy> Greater for F {}
+
+/// The lane numbers.
+pub(super) const INDEX: Lanes =
+    [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
+
+#[inline(always)]
+pub(super) fn lanes(f: impl Fn(usize) -> f32) -> Lanes {
+    let mut out = [0.0; LANES];
+    for (i, out) in out.iter_mut().enumerate() {
+        *out = f(i);
+    }
+    out
+}
+
+/// Minimum and maximum as one vector instruction has them: the second operand if either is NaN.
+#[inline(always)]
+pub(super) fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+pub(super) fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The least lane.
+#[inline(always)]
+pub(super) fn least(a: &Lanes) -> f32 {
+    reduce(a, min)
+}
+
+/// The greatest lane.
+#[inline(always)]
+pub(super) fn greatest(a: &Lanes) -> f32 {
+    reduce(a, max)
+}
+
+#[inline(always)]
+fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut a = *a;
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            a[i] = f(a[i], a[i + half]);
+        }
+    }
+    a[0]
+}
+
+/// The lane with the least key, and what `with` holds there. Of equal keys the lowest lane wins.
+#[inline(always)]
+pub(super) fn least_by(keys: &Lanes, with: &Lanes) -> (f32, f32) {
+    let (mut k, mut w) = (*keys, *with);
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            let other = k[i + half] < k[i];
+            w[i] = if other { w[i + half] } else { w[i] };
+            k[i] = if other { k[i + half] } else { k[i] };
+        }
+    }
+    (k[0], w[0])
+}
+
+/// Sixteen texels of a row from `start`; 0, nothing, beyond its ends.
+#[inline(always)]
+pub(super) fn texels(row: &[f32], start: usize) -> Lanes {
+    match row.get(start..start + LANES) {
+        Some(all) => all.try_into().unwrap_or([0.0; LANES]),
+        None => {
+            let mut out = [0.0; LANES];
+            if let Some(rest) = row.get(start..) {
+                out[..rest.len()].copy_from_slice(rest);
+            }
+            out
+        }
+    }
+}
+
+/// The left neighbours of sixteen texels from `start`.
+#[inline(always)]
+pub(super) fn left_neighbours(row: &[f32], start: usize) -> Lanes {
+    if start > 0 {
+        return texels(row, start - 1);
+    }
+    let own = texels(row, 0);
+    let mut out = [0.0; LANES];
+    out[1..].copy_from_slice(&own[..LANES - 1]);
+    out
+}

@@ -1,0 +1,109 @@
+//! The specification that the kernels are tested against: one receiver after the other, every texel
+//! of its two rows, sorted intervals.
+
+use alloc::{vec, vec::Vec};
+
+use super::frame::{Facing, Frame, Frustum, UNKNOWN};
+use super::group::Tilt;
+use super::scan::{Probe, REACH, Vertex};
+
+/// What each pixel of the frame's camera sees, if there is one frustum.
+pub(super) fn visibility(frame: &Frame<'_>) -> Vec<f32> {
+    let map = frame.camera.map();
+    let mut out = vec![0.0; map.nearness().len()];
+    for (i, out) in out.iter_mut().enumerate() {
+        let (x, y) = (i as u32 % map.width(), i as u32 / map.width());
+        let nearness = map.nearness()[i];
+        if nearness > 0.0 {
+            *out = receiver(frame, x, y, nearness).clamp(0.0, 1.0);
+        }
+    }
+    out
+}
+
+fn receiver(frame: &Frame<'_>, x: u32, y: u32, nearness: f32) -> f32 {
+    let (_, plane) = frame.camera.plane(x, y, nearness);
+    let known = plane.0.iter().all(|p| p.is_finite()) && plane.0[..3] != [0.0; 3];
+    let Some(facing) = Facing::new(frame, if known { plane } else { UNKNOWN }) else { return 0.0 };
+    let frustum = frame.frusta[0].as_ref().unwrap();
+    let [u, v, n, q] = frustum
+        .warp
+        .map(|r| ((r[0] * (x as f32 + 0.5) + r[1] * (y as f32 + 0.5)) + r[2] * nearness) + r[3]);
+    let (u, v, w) = (u / q, v / q, n / q);
+    let height = frustum.size[1] as f32;
+    if !(q > 0.0 && u.is_finite() && w.is_finite() && v > 0.0 && v < height) {
+        return facing.open();
+    }
+    let tilt = Tilt::new(&facing, frustum, w);
+    // The two rows around the receiver, and the part that each has in it.
+    let center = (v - 0.5).clamp(0.0, height - 1.0);
+    let above = center as usize;
+    let below = (above + 1).min(frustum.size[1] as usize - 1);
+    let part = center - above as f32;
+    let hidden = |row: usize| {
+        let moved = w + tilt.per_row * (row as f32 + 0.5 - v);
+        hidden_in_row(frame, frustum, &facing, &tilt, [u, v, w], moved, row)
+    };
+    facing.open() - ((1.0 - part) * hidden(above) + part * hidden(below))
+}
+
+/// How much of the light one row hides from a receiver moved to nearness `moved`.
+fn hidden_in_row(
+    frame: &Frame<'_>,
+    frustum: &Frustum<'_>,
+    facing: &Facing,
+    tilt: &Tilt,
+    [u, v, w]: [f32; 3],
+    moved: f32,
+    y: usize,
+) -> f32 {
+    let mut hidden: Vec<[f32; 2]> = Vec::new();
+    for (index, sample) in frustum.samples.iter().enumerate() {
+        let shift = frustum.disparity * (0.5 - sample.t);
+        let [a, b, c, d] = tilt.plane(sample.t, [u + shift * w, v, w]);
+        let bias = frame.bias.constant * w * c.abs() + frame.bias.slope * (a.abs() + b.abs());
+        let width = sample.map.width() as usize;
+        let row = &sample.map.nearness()[y * width..(y + 1) * width];
+        let blocks = |x: usize| {
+            let plane = ((a * (x as f32 + 0.5)) + b * (y as f32 + 0.5)) + c * row[x] + d;
+            plane > bias && row[x] > moved
+        };
+        let probe = Probe { u: u + shift * moved, nearness: moved };
+        let [from, to] = frustum.span(index);
+        let (from, to) = (from.max(facing.horizon[0]), to.min(facing.horizon[1]));
+        let mut x = 0;
+        while x < width {
+            if !blocks(x) {
+                x += 1;
+                continue;
+            }
+            let start = x;
+            let linked = |x: usize| {
+                (row[x] - row[x - 1]).abs() < frustum.steepest() * row[x].max(row[x - 1])
+            };
+            x += 1;
+            while x < width && blocks(x) && linked(x) {
+                x += 1;
+            }
+            let ends = [(start, start as f32 + 0.5 - REACH), (x - 1, x as f32 - 0.5 + REACH)];
+            let centers = (start..x).map(|x| (x, x as f32 + 0.5));
+            let mut interval = [f32::INFINITY, f32::NEG_INFINITY];
+            for (x, column) in centers.chain(ends) {
+                let vertex = Vertex { column, nearness: row[x] };
+                let t = sample.t + probe.hidden(vertex, frustum.disparity);
+                interval = [interval[0].min(t), interval[1].max(t)];
+            }
+            let interval = [interval[0].max(from), interval[1].min(to)];
+            if interval[0] < interval[1] {
+                hidden.push(interval);
+            }
+        }
+    }
+    hidden.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let (mut length, mut reached) = (0.0, f32::NEG_INFINITY);
+    for [from, to] in hidden {
+        length += (to - from.max(reached)).max(0.0);
+        reached = reached.max(to);
+    }
+    length
+}
