@@ -14,31 +14,29 @@ pub struct Counters {
     pub searches: u32,
     /// Searches whose reach went past the map's border: their penumbra may be cut.
     pub cut_by_border: u32,
+    /// Tiles of 16 x 16 pixels.
+    pub tiles: u32,
+    /// Tiles that were decided as a whole, without a search.
+    pub decided_tiles: u32,
 }
 
 /// Counters that bands on several threads add to. Sums do not depend on the order.
 #[derive(Default)]
-pub(crate) struct Tally {
-    receivers: AtomicU32,
-    outside: AtomicU32,
-    searches: AtomicU32,
-    cut_by_border: AtomicU32,
-}
+pub(crate) struct Tally([AtomicU32; 6]);
 
 impl Tally {
     pub fn add(&self, counters: &Counters) {
-        let Counters { receivers, outside, searches, cut_by_border } = *counters;
-        self.receivers.fetch_add(receivers, Ordering::Relaxed);
-        self.outside.fetch_add(outside, Ordering::Relaxed);
-        self.searches.fetch_add(searches, Ordering::Relaxed);
-        self.cut_by_border.fetch_add(cut_by_border, Ordering::Relaxed);
-    }
-    pub fn total(self) -> Counters {
-        Counters {
-            receivers: self.receivers.into_inner(),
-            outside: self.outside.into_inner(),
-            searches: self.searches.into_inner(),
-            cut_by_border: self.cut_by_border.into_inner(),
+        let Counters { receivers, outside, searches, cut_by_border, tiles, decided_tiles } =
+            *counters;
+        let counts = [receivers, outside, searches, cut_by_border, tiles, decided_tiles];
+        for (sum, count) in self.0.iter().zip(counts) {
+            sum.fetch_add(count, Ordering::Relaxed);
         }
+    }
+
+    pub fn total(self) -> Counters {
+        let [receivers, outside, searches, cut_by_border, tiles, decided_tiles] =
+            self.0.map(AtomicU32::into_inner);
+        Counters { receivers, outside, searches, cut_by_border, tiles, decided_tiles }
     }
 }

@@ -42,10 +42,12 @@ extern crate std;
 
 mod camera;
 mod counters;
+mod disc;
 mod mask;
 mod math;
 pub mod paper;
 mod receiver;
+pub mod search;
 
 pub use camera::{LightMap, Texels};
 pub use counters::Counters;

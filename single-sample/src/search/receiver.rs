@@ -1,0 +1,104 @@
+//! From a camera's pixel to what its search needs.
+
+use super::geometry::Geometry;
+use crate::disc::disc_fraction;
+use crate::math::sqrt;
+
+/// A receiver in the light's texel space, with the light's disc as it sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub(crate) struct Receiver {
+    pub u: f32,
+    pub v: f32,
+    pub nearness: f32,
+    /// The receiver's plane. A texel with centre (s, t) and nearness n is above it if
+    /// `hn * n > (above - hv * t) - hu * s`. hn is negative for a receiver that has the light's
+    /// centre below its horizon.
+    pub hu: f32,
+    pub hv: f32,
+    pub hn: f32,
+    pub above: f32,
+    /// The fraction of the disc above the receiver's plane; 0 if the camera sees nothing.
+    pub sky: f32,
+    /// The disc as a metric of texel space: an offset (x, y) at a nearness w above the receiver's
+    /// is on the rim where `qxx x² + qxy x y + qyy y² = w²`.
+    pub qxx: f32,
+    pub qxy: f32,
+    pub qyy: f32,
+    /// Twice the root of the metric's determinant.
+    pub area: f32,
+}
+
+/// Far outside of every map.
+const NOWHERE: f32 = -1e9;
+
+/// The plane of a surface with this normal through the camera's point (x, y, n).
+#[inline(always)]
+pub(crate) fn plane(g: &Geometry, x: f32, y: f32, n: f32, normal: [f32; 3]) -> [f32; 4] {
+    let at = |r: &[f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
+    let [px, py, pz, pw] = [at(&g.world[0]), at(&g.world[1]), at(&g.world[2]), at(&g.world[3])];
+    let d = (normal[0] * px + normal[1] * py) + normal[2] * pz;
+    [normal[0], normal[1], normal[2], -(d / pw)]
+}
+
+/// The receiver at the camera's point (x, y, n) with that plane in world space, of any length.
+///
+/// Where the camera sees nothing its sky is 0; what lies behind the light, or has no finite
+/// place, has all of its sky and is nowhere near any blocker.
+#[inline(always)]
+pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) -> Receiver {
+    let at = |r: &[f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
+    let inverse = 1.0 / at(&g.warp[3]);
+    let u = at(&g.warp[0]) * inverse;
+    let v = at(&g.warp[1]) * inverse;
+    let nearness = at(&g.warp[2]) * inverse;
+    // False for NaN.
+    let placed =
+        (inverse > 0.0) & (u.abs() < -NOWHERE) & (v.abs() < -NOWHERE) & (nearness.abs() < -NOWHERE);
+
+    let dot =
+        |e: &[f32; 4]| ((plane[0] * e[0] + plane[1] * e[1]) + plane[2] * e[2]) + plane[3] * e[3];
+    let length = sqrt((plane[0] * plane[0] + plane[1] * plane[1]) + plane[2] * plane[2]);
+    let scale = if dot(&g.camera_eye) < 0.0 { -1.0 } else { 1.0 } / length;
+    let flat = !((scale.abs() > 0.0) & (scale.abs() < f32::INFINITY));
+    let hu = if flat { 0.0 } else { dot(&g.axes[0]) * scale };
+    let hv = if flat { 0.0 } else { dot(&g.axes[1]) * scale };
+    let hn = if flat { 1.0 } else { dot(&g.axes[2]) * scale };
+    let tolerance = g.bias.constant * (hn.abs() * nearness) + g.bias.slope * (hu.abs() + hv.abs());
+    let above = tolerance + (hn * nearness + (hu * u + hv * v));
+
+    // The direction from the light, and the horizon in units of the disc's radius.
+    let tx = (u - g.center[0]) * g.tangent[0];
+    let ty = (v - g.center[1]) * g.tangent[1];
+    let squared = 1.0 + (tx * tx + ty * ty);
+    let depth = if g.perspective { g.unit / nearness } else { 1.0 };
+    let height = dot(&g.light_eye) * scale;
+    let sine = height / (depth * sqrt(squared));
+    let cosine = sqrt(if sine * sine < 1.0 { 1.0 - sine * sine } else { 0.0 });
+    let sky = disc_fraction(height / (g.radius * cosine));
+    let sky = if flat | !placed { 1.0 } else { sky };
+
+    let [kx, ky] = [1.0 / g.spread[0], 1.0 / g.spread[1]];
+    let (lx, ly) = (tx * tx / squared, ty * ty / squared);
+    Receiver {
+        u: if placed { u } else { NOWHERE },
+        v: if placed { v } else { NOWHERE },
+        nearness: if placed { nearness } else { -NOWHERE },
+        hu,
+        hv,
+        hn,
+        above,
+        sky: if n > 0.0 { sky } else { 0.0 },
+        qxx: (1.0 - lx) * (kx * kx),
+        qxy: (-2.0 * (tx * ty / squared)) * (kx * ky),
+        qyy: (1.0 - ly) * (ky * ky),
+        area: (2.0 / sqrt(squared)) * (kx * ky),
+    }
+}
+
+impl Receiver {
+    /// Whether a texel with centre (s, t) blocks part of what this receiver could see.
+    #[inline(always)]
+    pub fn is_blocked_by(&self, s: f32, t: f32, nearness: f32) -> bool {
+        self.hn * nearness > (self.above - self.hv * t) - self.hu * s && nearness > self.nearness
+    }
+}
