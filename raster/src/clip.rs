@@ -41,8 +41,12 @@ impl SetUp {
             }
             return Clipped::Whole(SetUp { corners, count: 3, plane: Plane::through(points) });
         }
-        if !vertices.as_flattened().iter().all(|x| x.is_finite()) {
+        let codes = vertices.map(|h| outcode(h, projection.max_nearness));
+        if codes.iter().any(|code| code & INVALID != 0) {
             return Clipped::Invalid;
+        }
+        if codes[0] & codes[1] & codes[2] != 0 {
+            return Clipped::Gone;
         }
         // A vertex keeps the place that its unclipped triangles give it, or there would be cracks.
         let corners = [0, 1, 2].map(|i| Corner {
@@ -97,6 +101,21 @@ fn distance(plane: usize, [u, v, n, q]: [f64; 4], max_nearness: f64) -> f64 {
         4 => guard * q + v,
         _ => guard * q - v,
     }
+}
+
+/// The outcode of a vertex that is not finite.
+pub(crate) const INVALID: u32 = 1 << PLANES;
+
+/// One bit for each plane that a vertex lies outside of, or [`INVALID`].
+pub(crate) fn outcode(vertex: [f32; 4], max_nearness: f32) -> u32 {
+    if !vertex.iter().all(|x| x.is_finite()) {
+        return INVALID;
+    }
+    let (vertex, max_nearness) = (vertex.map(f64::from), f64::from(max_nearness));
+    (0..PLANES).fold(0, |code, plane| {
+        // Written so that a NaN, from a view without a near plane, is outside.
+        code | (u32::from(!(distance(plane, vertex, max_nearness) >= 0.0)) << plane)
+    })
 }
 
 /// Sutherland and Hodgman 1974. An edge is always cut from its inner end, so that both triangles at

@@ -6,11 +6,11 @@ pub(crate) const SUBTEXELS: i32 = 256;
 /// Rounds a texel coordinate in ±16384 to 1/256 texel, ties to even.
 ///
 /// Adding 1.5 * 2^23 makes the unit of the sum's last place 1: the hardware's own rounding does
-/// the work, with the same bits on every machine.
+/// the work, with the same bits on every machine. A NaN becomes some number.
 #[inline(always)]
 pub(crate) fn snap(coordinate: f32) -> i32 {
     const SHIFT: f32 = 12_582_912.0;
-    (coordinate * SUBTEXELS as f32 + SHIFT).to_bits() as i32 - SHIFT.to_bits() as i32
+    (coordinate * SUBTEXELS as f32 + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits()) as i32
 }
 
 /// First and last texel, along one axis, whose centres lie between the two snapped coordinates;
@@ -100,6 +100,15 @@ impl Edge {
     /// right.
     pub(crate) fn owns_its_centers(&self) -> bool {
         self.delta[1] < 0 || (self.delta[1] == 0 && self.delta[0] > 0)
+    }
+
+    /// For a row of texels: a number that is not negative where texel (0, y) is covered, and its
+    /// change from one column, and one row, to the next.
+    pub(crate) fn row(&self, y: i32) -> (i64, i64, i64) {
+        let center = [SUBTEXELS / 2, y * SUBTEXELS + SUBTEXELS / 2];
+        let step = i64::from(SUBTEXELS);
+        let excluded = i64::from(!self.owns_its_centers());
+        (self.at(center) - excluded, -self.delta[1] * step, self.delta[0] * step)
     }
 
     /// Whether the centre of texel (x, y) is on the inner side, or on the edge and owned by it.

@@ -49,8 +49,12 @@
 
 extern crate alloc;
 
+mod band;
+mod binning;
+mod bins;
 mod clip;
 mod coverage;
+mod kernel;
 mod map;
 mod mask;
 mod plain;
@@ -58,6 +62,8 @@ mod plane;
 mod project;
 mod rasterizer;
 mod skins;
+mod span;
+mod vertices;
 
 pub use map::{DepthBuffer, DrawStats, Payload, Target};
 pub use mask::AlphaMask;

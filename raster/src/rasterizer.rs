@@ -1,25 +1,38 @@
 //! The rasterizer that callers keep.
 
-use shadowmap_core::{Level, Mesh, Threads, View};
+use alloc::vec::Vec;
+use core::slice;
 
-use crate::{AlphaMask, DrawStats, Payload, Target, draw_plain};
+use shadowmap_core::{BandSlice, Level, Mesh, Threads, View, for_each_band};
 
-/// Draws maps. Keep one per thread of control and reuse it: it owns the scratch memory.
+use crate::band::{Rows, draw_band};
+use crate::binning::{Source, bin};
+use crate::bins::{Chunk, Grid};
+use crate::project::Projection;
+use crate::vertices::Vertices;
+use crate::{AlphaMask, DrawStats, Payload, Target};
+
+/// Draws maps. Keep one and reuse it: it owns the scratch memory, 12 bytes per vertex and, per
+/// texel of the map, at most a few dozen; after the first frame of a scene nothing is allocated.
 ///
-/// Its results equal [`draw_plain`]'s bit for bit at every [`Level`], with any number of threads
-/// and in any order of the triangles.
+/// Its results equal [`crate::draw_plain`]'s bit for bit at every [`Level`], with any number of
+/// threads and in any order of the triangles.
 #[derive(Debug)]
-#[allow(dead_code)]
 pub struct Rasterizer {
     level: Level,
     threads: Threads,
+    vertices: Vec<Vertices>,
+    chunks: Vec<Chunk>,
 }
+
+/// Parts that a batch of triangles is binned in.
+const CHUNKS: usize = 16;
 
 impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
     #[must_use]
     pub fn new(level: Level, threads: Threads) -> Rasterizer {
-        Rasterizer { level, threads }
+        Rasterizer { level, threads, vertices: Vec::new(), chunks: Vec::new() }
     }
 
     /// Draws one map of a mesh. The target is cleared first: nearness 0 and payload 0 where there
@@ -33,9 +46,10 @@ impl Rasterizer {
         view: &View,
         mesh: &Mesh<'_>,
         payload: Payload,
-        target: Target<'_>,
+        mut target: Target<'_>,
     ) -> DrawStats {
-        draw_plain(view, mesh, None, payload, target)
+        let (views, targets) = (slice::from_ref(view), slice::from_mut(&mut target));
+        self.draw_views(views, mesh, None, payload, targets)
     }
 
     /// Draws the same mesh from several views in one pass, such as the samples of a linear light
@@ -79,19 +93,81 @@ impl Rasterizer {
         targets: &mut [Target<'_>],
     ) -> DrawStats {
         assert_eq!(views.len(), targets.len(), "one target per view");
-        let mut stats = DrawStats::default();
-        for (view, target) in views.iter().zip(targets) {
-            let target = Target {
-                width: target.width,
-                height: target.height,
-                nearness: target.nearness,
-                payload: target.payload,
-            };
-            let one = draw_plain(view, mesh, mask, payload, target);
-            stats.drawn += one.drawn;
-            stats.clipped += one.clipped;
-            stats.invalid += one.invalid;
+        for (view, target) in views.iter().zip(targets.iter()) {
+            target.check(view);
         }
-        stats
+        let (level, threads) = (self.level, self.threads);
+        self.vertices.resize_with(views.len(), Vertices::default);
+        for (vertices, view) in self.vertices.iter_mut().zip(views) {
+            vertices.transform(level, threads, &Projection::of(view), mesh.positions);
+        }
+        self.chunks.resize_with(CHUNKS, Chunk::default);
+        for chunk in &mut self.chunks {
+            chunk.views.resize_with(views.len(), Default::default);
+        }
+        // What is binned at a time bounds the scratch memory.
+        let texels = targets.iter().map(|t| t.nearness.len()).max().unwrap_or(0);
+        let batch = (texels / 4).max(1 << 16);
+        let mut stats = DrawStats::default();
+        let mut first = 0;
+        loop {
+            let end = mesh.triangles.len().min(first + batch);
+            let per_chunk = (end - first).div_ceil(CHUNKS).next_multiple_of(64).max(64);
+            let (vertices, chunks) = (&self.vertices, &mut self.chunks[..]);
+            for_each_band(threads, BandSlice { data: chunks, len: 1 }, &|index, chunk| {
+                let start = end.min(first + index * per_chunk);
+                let chunk_end = end.min(start + per_chunk);
+                for (view, bins) in chunk.data[0].views.iter_mut().enumerate() {
+                    let grid = Grid::new(views[view].width(), views[view].height());
+                    bins.clear(grid.bands());
+                    let source = Source {
+                        mesh: *mesh,
+                        mask,
+                        payload,
+                        projection: Projection::of(&views[view]),
+                        vertices: &vertices[view],
+                        grid,
+                    };
+                    bin(level, &source, start, chunk_end, bins);
+                }
+            });
+            for bins in self.chunks.iter().flat_map(|chunk| &chunk.views) {
+                stats.drawn += bins.stats.drawn;
+                stats.clipped += bins.stats.clipped;
+                stats.invalid += bins.stats.invalid;
+            }
+            for (view, target) in targets.iter_mut().enumerate() {
+                self.draw_batch(view, target, mask, first == 0);
+            }
+            first = end;
+            if first == mesh.triangles.len() {
+                return stats;
+            }
+        }
+    }
+
+    /// Draws what is binned for one view.
+    fn draw_batch(
+        &self,
+        view: usize,
+        target: &mut Target<'_>,
+        mask: Option<&AlphaMask<'_>>,
+        clear: bool,
+    ) {
+        if target.nearness.is_empty() {
+            return;
+        }
+        let grid = Grid::new(target.width, target.height);
+        let len = grid.rows() * target.width as usize;
+        let bands = (
+            BandSlice { data: &mut *target.nearness, len },
+            BandSlice { data: &mut *target.payload, len },
+        );
+        for_each_band(self.threads, bands, &|band, (nearness, payload)| {
+            let (nearness, payload) = (nearness.data, payload.data);
+            let kept = if clear { 0 } else { u64::MAX };
+            let mut rows = Rows { grid, band, kept, nearness, payload };
+            draw_band(self.level, &mut rows, &self.chunks, view, mask);
+        });
     }
 }

@@ -1,0 +1,218 @@
+//! Third stage: draws what is binned into one band of rows.
+
+use crate::AlphaMask;
+use crate::bins::{Chunk, Fragment, Grid, Large, Masked, Small};
+use crate::kernel::kernel;
+use crate::plain::is_nearer;
+use crate::span::Spans;
+
+/// Texels per step of a fill.
+const LANES: usize = 16;
+
+/// The rows of a map that one thread owns.
+#[derive(Debug)]
+pub(crate) struct Rows<'a> {
+    pub(crate) grid: Grid,
+    pub(crate) band: usize,
+    /// The rows that hold something to keep, a bit each; all others are to be cleared.
+    pub(crate) kept: u64,
+    pub(crate) nearness: &'a mut [f32],
+    pub(crate) payload: &'a mut [u32],
+}
+
+kernel! {
+    /// Draws one band from the bins that all chunks have for `view`.
+    fn draw_band(
+        rows: &mut Rows<'_>,
+        chunks: &[Chunk],
+        view: usize,
+        mask: Option<&AlphaMask<'_>>,
+    ) = draw_band_body
+}
+
+#[inline(always)]
+fn draw_band_body(
+    rows: &mut Rows<'_>,
+    chunks: &[Chunk],
+    view: usize,
+    mask: Option<&AlphaMask<'_>>,
+) {
+    let bins = || chunks.iter().map(|chunk| &chunk.views[view]);
+    // Large triangles first: they need not clear the rows that they are the first to touch.
+    for bins in bins() {
+        for &index in &bins.bands[rows.band].large {
+            rows.large(&bins.large[index as usize]);
+        }
+    }
+    rows.clear_rest();
+    for bins in bins() {
+        let band = &bins.bands[rows.band];
+        rows.fragments(&band.fragments);
+        for small in &band.small {
+            rows.small(small);
+        }
+        if let Some(mask) = mask {
+            for &index in &band.masked {
+                rows.masked(&bins.masked[index as usize], mask);
+            }
+        }
+    }
+}
+
+impl Rows<'_> {
+    fn first_row(&self) -> i32 {
+        (self.band << self.grid.shift) as i32
+    }
+
+    /// The rows of the map that lie in the band.
+    fn range(&self) -> core::ops::Range<i32> {
+        self.first_row()..self.first_row() + self.grid.rows() as i32
+    }
+
+    #[inline(always)]
+    fn row(&mut self, y: i32) -> (&mut [f32], &mut [u32]) {
+        let width = self.grid.width as usize;
+        let start = (y - self.first_row()) as usize * width;
+        (&mut self.nearness[start..][..width], &mut self.payload[start..][..width])
+    }
+
+    #[inline(always)]
+    fn clear_rest(&mut self) {
+        let width = self.grid.width as usize;
+        let rows = self.nearness.chunks_exact_mut(width).zip(self.payload.chunks_exact_mut(width));
+        for (row, (nearness, payload)) in rows.enumerate() {
+            if self.kept >> row & 1 == 0 {
+                nearness.fill(0.0);
+                payload.fill(0);
+            }
+        }
+        self.kept = u64::MAX;
+    }
+
+    #[inline(always)]
+    fn fragments(&mut self, fragments: &[Fragment]) {
+        for fragment in fragments {
+            let texel = fragment.texel as usize;
+            let (nearness, payload) = (&mut self.nearness[texel], &mut self.payload[texel]);
+            let wins = is_nearer(fragment.nearness, fragment.payload, *nearness, *payload);
+            *nearness = if wins { fragment.nearness } else { *nearness };
+            *payload = if wins { fragment.payload } else { *payload };
+        }
+    }
+
+    #[inline(always)]
+    fn small(&mut self, small: &Small) {
+        let width = self.grid.width as i32;
+        let x = i32::from(small.x).min(width - LANES as i32);
+        let shift = (x - i32::from(small.x)) as f32;
+        let plane = &small.plane;
+        let mut offsets = [[0.0_f32; LANES]; 3];
+        let mut along = [0.0_f64; LANES];
+        for l in 0..LANES {
+            for k in 0..3 {
+                offsets[k][l] = (shift + l as f32) * small.step_x[k];
+            }
+            along[l] = plane.a * (f64::from(x + l as i32) + 0.5);
+        }
+        let range = self.range();
+        let first = i32::from(small.y).max(range.start);
+        let last = i32::from(small.last_y).min(range.end - 1);
+        for y in first..=last {
+            let down = (y - i32::from(small.y)) as f32;
+            let edges = [0, 1, 2].map(|k| small.edges[k] + down * small.step_y[k]);
+            let row = plane.b * (f64::from(y) + 0.5) + plane.c;
+            let (nearness, payload) = self.row(y);
+            let nearness = nearness[x as usize..].first_chunk_mut::<LANES>().expect("16 texels");
+            let payload = payload[x as usize..].first_chunk_mut::<LANES>().expect("16 texels");
+            for l in 0..LANES {
+                let covered = (edges[0] + offsets[0][l] >= 0.0)
+                    & (edges[1] + offsets[1][l] >= 0.0)
+                    & (edges[2] + offsets[2][l] >= 0.0);
+                let near = bounded(along[l] + row, plane.low, plane.high);
+                let wins = covered & is_nearer(near, small.payload, nearness[l], payload[l]);
+                nearness[l] = if wins { near } else { nearness[l] };
+                payload[l] = if wins { small.payload } else { payload[l] };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn large(&mut self, large: &Large) {
+        let (grid, plane) = (self.grid, &large.plane);
+        let Some(spans) = Spans::new(&large.triangle, grid.width, grid.height, self.range()) else {
+            return;
+        };
+        spans.for_each(|y, first, last| {
+            let bit = 1 << (y - self.first_row());
+            let fresh = self.kept & bit == 0;
+            self.kept |= bit;
+            let row = plane.b * (f64::from(y) + 0.5) + plane.c;
+            let (nearness, payload) = self.row(y);
+            let (first, end) = (first as usize, last as usize + 1);
+            if fresh {
+                nearness[..first].fill(0.0);
+                nearness[end..].fill(0.0);
+                payload[..first].fill(0);
+                payload[end..].fill(0);
+                payload[first..end].fill(large.payload);
+            }
+            let (nearness, payload) = (&mut nearness[first..end], &mut payload[first..end]);
+            let mut px = first as f64 + 0.5;
+            let (nearness, rest_nearness) = nearness.as_chunks_mut::<LANES>();
+            let (payload, rest_payload) = payload.as_chunks_mut::<LANES>();
+            for (nearness, payload) in nearness.iter_mut().zip(payload) {
+                let mut near = [0.0; LANES];
+                for (l, near) in near.iter_mut().enumerate() {
+                    *near = bounded(plane.a * (px + l as f64) + row, plane.low, plane.high);
+                }
+                px += LANES as f64;
+                if fresh {
+                    *nearness = near;
+                } else {
+                    for l in 0..LANES {
+                        let wins = is_nearer(near[l], large.payload, nearness[l], payload[l]);
+                        nearness[l] = if wins { near[l] } else { nearness[l] };
+                        payload[l] = if wins { large.payload } else { payload[l] };
+                    }
+                }
+            }
+            for (nearness, payload) in rest_nearness.iter_mut().zip(rest_payload) {
+                let near = bounded(plane.a * px + row, plane.low, plane.high);
+                px += 1.0;
+                if fresh {
+                    *nearness = near;
+                } else if is_nearer(near, large.payload, *nearness, *payload) {
+                    (*nearness, *payload) = (near, large.payload);
+                }
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn masked(&mut self, masked: &Masked, mask: &AlphaMask<'_>) {
+        let (grid, large) = (self.grid, &masked.large);
+        let Some(spans) = Spans::new(&large.triangle, grid.width, grid.height, self.range()) else {
+            return;
+        };
+        spans.for_each(|y, first, last| {
+            let (nearness, payload) = self.row(y);
+            for x in first..=last {
+                let [b1, b2] = masked.weights.at(x, y);
+                let near = large.plane.at(x, y);
+                let (nearness, payload) = (&mut nearness[x as usize], &mut payload[x as usize]);
+                if is_nearer(near, large.payload, *nearness, *payload)
+                    && (mask.keep)(masked.index, b1, b2)
+                {
+                    (*nearness, *payload) = (near, large.payload);
+                }
+            }
+        });
+    }
+}
+
+#[inline(always)]
+fn bounded(value: f64, low: f32, high: f32) -> f32 {
+    let value = value as f32;
+    let value = if value > low { value } else { low };
+    if value < high { value } else { high }
+}

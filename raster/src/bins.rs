@@ -1,0 +1,144 @@
+//! What the second stage leaves for the third: triangles sorted by the bands of rows they touch.
+
+use alloc::vec::Vec;
+
+use crate::DrawStats;
+use crate::coverage::Triangle;
+use crate::mask::Weights;
+use crate::plane::Plane;
+
+/// How a map is cut into bands of rows. A band is what one thread owns at a time, and small enough
+/// to stay in its cache while it is cleared and drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// A band has `1 << shift` rows, the last one possibly fewer.
+    pub(crate) shift: u32,
+}
+
+impl Grid {
+    pub(crate) fn new(width: u32, height: u32) -> Grid {
+        // 8 bytes per texel; a quarter of a megabyte per band, and not too few of them to share.
+        let rows = (32768 / width.max(1)).min(height / 16).clamp(8, 64);
+        Grid { width, height, shift: rows.ilog2() }
+    }
+
+    pub(crate) fn rows(&self) -> usize {
+        1 << self.shift
+    }
+
+    pub(crate) fn bands(&self) -> usize {
+        (self.height as usize).div_ceil(self.rows())
+    }
+}
+
+/// One texel that one triangle covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fragment {
+    /// Position in the band.
+    pub(crate) texel: u32,
+    pub(crate) nearness: f32,
+    pub(crate) payload: u32,
+}
+
+/// A triangle of less than 16 texels in width and height, set up. Its edge functions are integers
+/// below 2^24, so that single precision holds them exactly.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Small {
+    /// First column and row of its bounds.
+    pub(crate) x: u16,
+    pub(crate) y: u16,
+    /// Last row of its bounds.
+    pub(crate) last_y: u16,
+    /// The edge functions at the centre of texel (x, y), less what excludes centres on edges that
+    /// do not own them: covered is where none is negative.
+    pub(crate) edges: [f32; 3],
+    /// Change of the edge functions from one column to the next.
+    pub(crate) step_x: [f32; 3],
+    /// Change of the edge functions from one row to the next.
+    pub(crate) step_y: [f32; 3],
+    pub(crate) plane: Plane,
+    pub(crate) payload: u32,
+}
+
+/// A triangle of any size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Large {
+    pub(crate) triangle: Triangle,
+    pub(crate) plane: Plane,
+    pub(crate) payload: u32,
+}
+
+/// A triangle with an alpha test.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Masked {
+    pub(crate) large: Large,
+    pub(crate) index: usize,
+    pub(crate) weights: Weights,
+}
+
+/// What touches one band.
+#[derive(Debug, Default)]
+pub(crate) struct Band {
+    pub(crate) fragments: Vec<Fragment>,
+    pub(crate) small: Vec<Small>,
+    /// Indices into [`Bins::large`].
+    pub(crate) large: Vec<u32>,
+    /// Indices into [`Bins::masked`].
+    pub(crate) masked: Vec<u32>,
+}
+
+/// One chunk of a mesh, in each view.
+#[derive(Debug, Default)]
+pub(crate) struct Chunk {
+    pub(crate) views: Vec<Bins>,
+}
+
+/// The triangles of one chunk of a mesh in one view. Reused between frames.
+#[derive(Debug, Default)]
+pub(crate) struct Bins {
+    pub(crate) bands: Vec<Band>,
+    pub(crate) large: Vec<Large>,
+    pub(crate) masked: Vec<Masked>,
+    pub(crate) stats: DrawStats,
+}
+
+impl Bins {
+    /// Empties all bins, keeping their memory.
+    pub(crate) fn clear(&mut self, bands: usize) {
+        self.bands.resize_with(bands, Band::default);
+        for band in &mut self.bands {
+            band.fragments.clear();
+            band.small.clear();
+            band.large.clear();
+            band.masked.clear();
+        }
+        self.large.clear();
+        self.masked.clear();
+        self.stats = DrawStats::default();
+    }
+
+    /// Adds a triangle to the bands that its bounds touch; false if it misses the map.
+    pub(crate) fn push_large(&mut self, large: Large, grid: &Grid) -> bool {
+        let Some(bounds) = large.triangle.bounds(grid.width, grid.height) else { return false };
+        let index = self.large.len() as u32;
+        self.large.push(large);
+        for band in bounds.y.0 >> grid.shift..=bounds.y.1 >> grid.shift {
+            self.bands[band as usize].large.push(index);
+        }
+        true
+    }
+
+    /// Like [`Bins::push_large`], for a triangle with an alpha test.
+    pub(crate) fn push_masked(&mut self, masked: Masked, grid: &Grid) -> bool {
+        let bounds = masked.large.triangle.bounds(grid.width, grid.height);
+        let Some(bounds) = bounds else { return false };
+        let index = self.masked.len() as u32;
+        self.masked.push(masked);
+        for band in bounds.y.0 >> grid.shift..=bounds.y.1 >> grid.shift {
+            self.bands[band as usize].masked.push(index);
+        }
+        true
+    }
+}
