@@ -142,7 +142,7 @@ impl Rows<'_> {
         let Some(spans) = Spans::new(&large.triangle, grid.width, grid.height, self.range()) else {
             return;
         };
-        spans.for_each(|y, first, last| {
+        for (y, first, last) in spans {
             let bit = 1 << (y - self.first_row());
             let fresh = self.kept & bit == 0;
             self.kept |= bit;
@@ -185,7 +185,7 @@ impl Rows<'_> {
                     (*nearness, *payload) = (near, large.payload);
                 }
             }
-        });
+        }
     }
 
     #[inline(always)]
@@ -194,7 +194,7 @@ impl Rows<'_> {
         let Some(spans) = Spans::new(&large.triangle, grid.width, grid.height, self.range()) else {
             return;
         };
-        spans.for_each(|y, first, last| {
+        for (y, first, last) in spans {
             let (nearness, payload) = self.row(y);
             for x in first..=last {
                 let [b1, b2] = masked.weights.at(x, y);
@@ -206,7 +206,7 @@ impl Rows<'_> {
                     (*nearness, *payload) = (near, large.payload);
                 }
             }
-        });
+        }
     }
 }
 

@@ -58,7 +58,6 @@ fn bin_body(source: &Source<'_>, first: usize, end: usize, bins: &mut Bins) {
             }
         }
         survivors.select(&lanes, source, triangles, &corners);
-        survivors.planes();
         bins.stats.drawn += lanes.class.iter().filter(|&&class| class & IN_BOUNDS != 0).count();
         for i in 0..survivors.count {
             emit(source, first, &lanes, &survivors, i, bins);
@@ -193,41 +192,49 @@ impl Lanes {
     }
 }
 
-/// The triangles that cover something, side by side, and their planes.
+/// The triangles that cover something, and their planes.
 struct Survivors {
     count: usize,
     lane: [u8; LANES],
-    u: [[f32; LANES]; 3],
-    v: [[f32; LANES]; 3],
-    nearness: [[f32; LANES]; 3],
-    x: [i32; LANES],
-    y: [i32; LANES],
-    a: [f64; LANES],
-    b: [f64; LANES],
-    c: [f64; LANES],
-    low: [f32; LANES],
-    high: [f32; LANES],
+    groups: [Group; LANES / GROUP],
+}
+
+/// Triangles set up at a time.
+const GROUP: usize = 16;
+
+/// Triangles side by side.
+#[derive(Clone, Copy)]
+struct Group {
+    u: [[f32; GROUP]; 3],
+    v: [[f32; GROUP]; 3],
+    nearness: [[f32; GROUP]; 3],
+    x: [i32; GROUP],
+    y: [i32; GROUP],
+    a: [f64; GROUP],
+    b: [f64; GROUP],
+    c: [f64; GROUP],
+    low: [f32; GROUP],
+    high: [f32; GROUP],
     /// Nearness at the four texels of a tiny triangle.
-    texels: [[f32; LANES]; 4],
+    texels: [[f32; GROUP]; 4],
 }
 
 impl Survivors {
     fn new() -> Survivors {
-        Survivors {
-            count: 0,
-            lane: [0; LANES],
-            u: [[0.0; LANES]; 3],
-            v: [[0.0; LANES]; 3],
-            nearness: [[0.0; LANES]; 3],
-            x: [0; LANES],
-            y: [0; LANES],
-            a: [0.0; LANES],
-            b: [0.0; LANES],
-            c: [0.0; LANES],
-            low: [0.0; LANES],
-            high: [0.0; LANES],
-            texels: [[0.0; LANES]; 4],
-        }
+        let group = Group {
+            u: [[0.0; GROUP]; 3],
+            v: [[0.0; GROUP]; 3],
+            nearness: [[0.0; GROUP]; 3],
+            x: [0; GROUP],
+            y: [0; GROUP],
+            a: [0.0; GROUP],
+            b: [0.0; GROUP],
+            c: [0.0; GROUP],
+            low: [0.0; GROUP],
+            high: [0.0; GROUP],
+            texels: [[0.0; GROUP]; 4],
+        };
+        Survivors { count: 0, lane: [0; LANES], groups: [group; LANES / GROUP] }
     }
 
     #[inline(always)]
@@ -241,53 +248,77 @@ impl Survivors {
         let nearness = &source.vertices.nearness[..];
         self.count = 0;
         for lane in 0..LANES {
-            self.lane[self.count] = lane as u8;
+            self.lane[self.count % LANES] = lane as u8;
             self.count += usize::from(lanes.class[lane] & SURVIVES != 0);
         }
         for i in 0..self.count {
-            let lane = self.lane[i] as usize;
+            let lane = self.lane[i] as usize % LANES;
+            let group = &mut self.groups[i / GROUP];
+            let i = i % GROUP;
             for k in 0..3 {
-                self.u[k][i] = corners.u[k][lane];
-                self.v[k][i] = corners.v[k][lane];
+                group.u[k][i] = corners.u[k][lane];
+                group.v[k][i] = corners.v[k][lane];
                 let vertex = triangles[lane][k] as usize;
-                self.nearness[k][i] = nearness.get(vertex).copied().unwrap_or(0.0);
+                group.nearness[k][i] = nearness.get(vertex).copied().unwrap_or(0.0);
             }
-            self.x[i] = lanes.x[lane];
-            self.y[i] = lanes.y[lane];
+            group.x[i] = lanes.x[lane];
+            group.y[i] = lanes.y[lane];
+        }
+        for group in &mut self.groups[..self.count.div_ceil(GROUP)] {
+            group.planes();
         }
     }
+}
 
+impl Group {
     /// [`Plane::through`] and [`Plane::at`] in the same order of operations.
     #[inline(always)]
     fn planes(&mut self) {
-        for i in 0..self.count.next_multiple_of(16) {
-            let [x0, x1, x2] = [0, 1, 2].map(|k| f64::from(self.u[k][i]));
-            let [y0, y1, y2] = [0, 1, 2].map(|k| f64::from(self.v[k][i]));
-            let n = [0, 1, 2].map(|k| self.nearness[k][i]);
-            let [n0, n1, n2] = n.map(f64::from);
+        for i in 0..GROUP {
+            let x0 = f64::from(self.u[0][i]);
+            let x1 = f64::from(self.u[1][i]);
+            let x2 = f64::from(self.u[2][i]);
+            let y0 = f64::from(self.v[0][i]);
+            let y1 = f64::from(self.v[1][i]);
+            let y2 = f64::from(self.v[2][i]);
+            let n0 = f64::from(self.nearness[0][i]);
+            let n1 = f64::from(self.nearness[1][i]);
+            let n2 = f64::from(self.nearness[2][i]);
             let (dx1, dy1, dn1) = (x1 - x0, y1 - y0, n1 - n0);
             let (dx2, dy2, dn2) = (x2 - x0, y2 - y0, n2 - n0);
             let scale = 1.0 / (dx1 * dy2 - dx2 * dy1);
             let a = (dn1 * dy2 - dn2 * dy1) * scale;
             let b = (dx1 * dn2 - dx2 * dn1) * scale;
-            let c = n0 - (a * x0 + b * y0);
-            let (low, high) = (least(n[0], least(n[1], n[2])), most(n[0], most(n[1], n[2])));
+            self.a[i] = a;
+            self.b[i] = b;
+            self.c[i] = n0 - (a * x0 + b * y0);
+        }
+        for i in 0..GROUP {
+            let n = [self.nearness[0][i], self.nearness[1][i], self.nearness[2][i]];
+            self.low[i] = least(n[0], least(n[1], n[2]));
+            self.high[i] = most(n[0], most(n[1], n[2]));
+        }
+        for i in 0..GROUP {
+            let (a, b, c) = (self.a[i], self.b[i], self.c[i]);
             let sound = (a.abs() < STEEPEST) & (b.abs() < STEEPEST) & (c.abs() < STEEPEST);
             let a = if sound { a } else { 0.0 };
             let b = if sound { b } else { 0.0 };
-            let c = if sound { c } else { f64::from(high) };
+            let c = if sound { c } else { f64::from(self.high[i]) };
             self.a[i] = a;
             self.b[i] = b;
             self.c[i] = c;
-            self.low[i] = low;
-            self.high[i] = high;
             let (px, py) = (f64::from(self.x[i]) + 0.5, f64::from(self.y[i]) + 0.5);
             let (ax0, ax1) = (a * px, a * (px + 1.0));
             let (by0, by1) = (b * py + c, b * (py + 1.0) + c);
-            self.texels[0][i] = bounded(ax0 + by0, low, high);
-            self.texels[1][i] = bounded(ax1 + by0, low, high);
-            self.texels[2][i] = bounded(ax0 + by1, low, high);
-            self.texels[3][i] = bounded(ax1 + by1, low, high);
+            self.texels[0][i] = (ax0 + by0) as f32;
+            self.texels[1][i] = (ax1 + by0) as f32;
+            self.texels[2][i] = (ax0 + by1) as f32;
+            self.texels[3][i] = (ax1 + by1) as f32;
+        }
+        for k in 0..4 {
+            for i in 0..GROUP {
+                self.texels[k][i] = least(most(self.texels[k][i], self.low[i]), self.high[i]);
+            }
         }
     }
 }
@@ -305,11 +336,6 @@ fn most(a: f32, b: f32) -> f32 {
 }
 
 #[inline(always)]
-fn bounded(value: f64, low: f32, high: f32) -> f32 {
-    least(most(value as f32, low), high)
-}
-
-#[inline(always)]
 fn emit(
     source: &Source<'_>,
     first: usize,
@@ -319,10 +345,12 @@ fn emit(
     bins: &mut Bins,
 ) {
     let grid = &source.grid;
-    let lane = survivors.lane[i] as usize;
+    let lane = survivors.lane[i] as usize % LANES;
+    let group = &survivors.groups[i / GROUP];
+    let i = i % GROUP;
     let class = lanes.class[lane];
     let index = first + lane;
-    let (x, y) = (survivors.x[i], survivors.y[i]);
+    let (x, y) = (group.x[i], group.y[i]);
     if class & TINY != 0 {
         let payload = source.payload.of(index, source.mesh.ids);
         let mut covered = class & TINY;
@@ -331,7 +359,7 @@ fn emit(
             covered &= covered - 1;
             let (x, y) = (x as u32 + (k as u32 & 1), y as u32 + (k as u32 >> 1));
             let texel = (y & ((1 << grid.shift) - 1)) * grid.width + x;
-            let nearness = survivors.texels[k][i];
+            let nearness = group.texels[k][i];
             bins.bands[(y >> grid.shift) as usize].fragments.push(Fragment {
                 texel,
                 nearness,
@@ -341,11 +369,11 @@ fn emit(
         return;
     }
     let plane = Plane {
-        a: survivors.a[i],
-        b: survivors.b[i],
-        c: survivors.c[i],
-        low: survivors.low[i],
-        high: survivors.high[i],
+        a: group.a[i],
+        b: group.b[i],
+        c: group.c[i],
+        low: group.low[i],
+        high: group.high[i],
     };
     let payload = source.payload.of(index, source.mesh.ids);
     match class & SURVIVES {
@@ -366,13 +394,13 @@ fn emit(
             }
         }
         IS_LARGE => {
-            let corners = [0, 1, 2].map(|k| [survivors.u[k][i], survivors.v[k][i]]);
+            let corners = [0, 1, 2].map(|k| [group.u[k][i], group.v[k][i]]);
             if let Some(triangle) = Triangle::new(corners) {
                 let large = Large { triangle, plane, payload };
                 bins.stats.drawn += usize::from(bins.push_large(large, grid));
             }
         }
-        _ => special(source, index, survivors, i, payload, bins),
+        _ => special(source, index, group, i, payload, bins),
     }
 }
 
@@ -381,14 +409,13 @@ fn emit(
 fn special(
     source: &Source<'_>,
     index: usize,
-    survivors: &Survivors,
+    group: &Group,
     i: usize,
     payload: u32,
     bins: &mut Bins,
 ) {
     // The outcodes that stand in v where u is NaN tell most of what is to know.
-    let codes =
-        [0, 1, 2].map(|k| if survivors.u[k][i].is_nan() { survivors.v[k][i].to_bits() } else { 0 });
+    let codes = [0, 1, 2].map(|k| if group.u[k][i].is_nan() { group.v[k][i].to_bits() } else { 0 });
     if (codes[0] | codes[1] | codes[2]) & INVALID != 0 {
         bins.stats.invalid += 1;
         return;

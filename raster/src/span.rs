@@ -93,19 +93,26 @@ impl Spans {
         }
         Some(Spans { bounds, edges: triangle.edges().map(|edge| Side::new(&edge, bounds.y.0)) })
     }
+}
 
-    /// Calls `span(y, first, last)` for each row in which something is covered, ends included.
+impl Iterator for Spans {
+    /// Row, first and last column.
+    type Item = (i32, i32, i32);
+
     #[inline(always)]
-    pub(crate) fn for_each(mut self, mut span: impl FnMut(i32, i32, i32)) {
-        for y in self.bounds.y.0..=self.bounds.y.1 {
+    fn next(&mut self) -> Option<(i32, i32, i32)> {
+        while self.bounds.y.0 <= self.bounds.y.1 {
+            let y = self.bounds.y.0;
+            self.bounds.y.0 += 1;
             let (mut first, mut last) = (i64::from(self.bounds.x.0), i64::from(self.bounds.x.1));
             for edge in &mut self.edges {
                 edge.narrow(&mut first, &mut last);
                 edge.next_row();
             }
             if first <= last {
-                span(y, first as i32, last as i32);
+                return Some((y, first as i32, last as i32));
             }
         }
+        None
     }
 }
