@@ -1,7 +1,7 @@
 //! Third stage: draws what is binned into one band of rows.
 
 use crate::AlphaMask;
-use crate::bins::{Chunk, Fragment, Grid, Large, Masked, Small};
+use crate::bins::{Chunk, Fragment, Grid, Large, MAX_ROWS, Masked, Small};
 use crate::kernel::kernel;
 use crate::plain::is_nearer;
 use crate::span::Spans;
@@ -14,8 +14,9 @@ const LANES: usize = 16;
 pub(crate) struct Rows<'a> {
     pub(crate) grid: Grid,
     pub(crate) band: usize,
-    /// The rows that hold something to keep, a bit each; all others are to be cleared.
-    pub(crate) kept: u64,
+    /// The columns of each row that hold something to keep, first and end; what lies outside is
+    /// written before it is read.
+    pub(crate) kept: [[u32; 2]; MAX_ROWS],
     pub(crate) nearness: &'a mut [f32],
     pub(crate) payload: &'a mut [u32],
 }
@@ -80,13 +81,13 @@ impl Rows<'_> {
     fn clear_rest(&mut self) {
         let width = self.grid.width as usize;
         let rows = self.nearness.chunks_exact_mut(width).zip(self.payload.chunks_exact_mut(width));
-        for (row, (nearness, payload)) in rows.enumerate() {
-            if self.kept >> row & 1 == 0 {
-                nearness.fill(0.0);
-                payload.fill(0);
-            }
+        for ((nearness, payload), kept) in rows.zip(&self.kept) {
+            let [start, end] = kept.map(|x| x as usize);
+            nearness[..start].fill(0.0);
+            payload[..start].fill(0);
+            nearness[end..].fill(0.0);
+            payload[end..].fill(0);
         }
-        self.kept = u64::MAX;
     }
 
     #[inline(always)]
@@ -143,47 +144,43 @@ impl Rows<'_> {
             return;
         };
         for (y, first, last) in spans {
-            let bit = 1 << (y - self.first_row());
-            let fresh = self.kept & bit == 0;
-            self.kept |= bit;
-            let row = plane.b * (f64::from(y) + 0.5) + plane.c;
+            let line = Line {
+                a: plane.a,
+                row: plane.b * (f64::from(y) + 0.5) + plane.c,
+                low: plane.low,
+                high: plane.high,
+                payload: large.payload,
+            };
+            let kept = &mut self.kept[(y - (self.band << self.grid.shift) as i32) as usize];
+            let [start, end] = kept.map(|x| x as usize);
+            let (first, last) = (first as usize, last as usize + 1);
+            *kept = if start == end {
+                [first as u32, last as u32]
+            } else {
+                [start.min(first) as u32, end.max(last) as u32]
+            };
             let (nearness, payload) = self.row(y);
-            let (first, end) = (first as usize, last as usize + 1);
-            if fresh {
-                nearness[..first].fill(0.0);
-                nearness[end..].fill(0.0);
-                payload[..first].fill(0);
-                payload[end..].fill(0);
-                payload[first..end].fill(large.payload);
+            if start == end {
+                line.write(nearness, payload, first, last);
+                continue;
             }
-            let (nearness, payload) = (&mut nearness[first..end], &mut payload[first..end]);
-            let mut px = first as f64 + 0.5;
-            let (nearness, rest_nearness) = nearness.as_chunks_mut::<LANES>();
-            let (payload, rest_payload) = payload.as_chunks_mut::<LANES>();
-            for (nearness, payload) in nearness.iter_mut().zip(payload) {
-                let mut near = [0.0; LANES];
-                for (l, near) in near.iter_mut().enumerate() {
-                    *near = bounded(plane.a * (px + l as f64) + row, plane.low, plane.high);
-                }
-                px += LANES as f64;
-                if fresh {
-                    *nearness = near;
-                } else {
-                    for l in 0..LANES {
-                        let wins = is_nearer(near[l], large.payload, nearness[l], payload[l]);
-                        nearness[l] = if wins { near[l] } else { nearness[l] };
-                        payload[l] = if wins { large.payload } else { payload[l] };
-                    }
+            if first < start {
+                line.write(nearness, payload, first, last.min(start));
+                if last < start {
+                    nearness[last..start].fill(0.0);
+                    payload[last..start].fill(0);
                 }
             }
-            for (nearness, payload) in rest_nearness.iter_mut().zip(rest_payload) {
-                let near = bounded(plane.a * px + row, plane.low, plane.high);
-                px += 1.0;
-                if fresh {
-                    *nearness = near;
-                } else if is_nearer(near, large.payload, *nearness, *payload) {
-                    (*nearness, *payload) = (near, large.payload);
+            if last > end {
+                line.write(nearness, payload, first.max(end), last);
+                if first > end {
+                    nearness[end..first].fill(0.0);
+                    payload[end..first].fill(0);
                 }
+            }
+            let (first, last) = (first.max(start), last.min(end));
+            if first < last {
+                line.draw(nearness, payload, first, last);
             }
         }
     }
@@ -205,6 +202,68 @@ impl Rows<'_> {
                 {
                     (*nearness, *payload) = (near, large.payload);
                 }
+            }
+        }
+    }
+}
+
+/// The part of a triangle in one row.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    a: f64,
+    row: f64,
+    low: f32,
+    high: f32,
+    payload: u32,
+}
+
+impl Line {
+    /// Fills texels that hold nothing yet.
+    #[inline(always)]
+    fn write(self, nearness: &mut [f32], payload: &mut [u32], first: usize, end: usize) {
+        if self.low <= 0.0 {
+            // It may be nothing at some texels.
+            nearness[first..end].fill(0.0);
+            payload[first..end].fill(0);
+            return self.draw(nearness, payload, first, end);
+        }
+        let (nearness, payload) = (&mut nearness[first..end], &mut payload[first..end]);
+        payload.fill(self.payload);
+        let mut px = first as f64 + 0.5;
+        let (nearness, rest) = nearness.as_chunks_mut::<LANES>();
+        for nearness in nearness {
+            for (l, near) in nearness.iter_mut().enumerate() {
+                *near = bounded(self.a * (px + l as f64) + self.row, self.low, self.high);
+            }
+            px += LANES as f64;
+        }
+        for near in rest {
+            *near = bounded(self.a * px + self.row, self.low, self.high);
+            px += 1.0;
+        }
+    }
+
+    /// Fills texels where nothing nearer is.
+    #[inline(always)]
+    fn draw(self, nearness: &mut [f32], payload: &mut [u32], first: usize, end: usize) {
+        let (nearness, payload) = (&mut nearness[first..end], &mut payload[first..end]);
+        let mut px = first as f64 + 0.5;
+        let (nearness, rest_nearness) = nearness.as_chunks_mut::<LANES>();
+        let (payload, rest_payload) = payload.as_chunks_mut::<LANES>();
+        for (nearness, payload) in nearness.iter_mut().zip(payload) {
+            for l in 0..LANES {
+                let near = bounded(self.a * (px + l as f64) + self.row, self.low, self.high);
+                let wins = is_nearer(near, self.payload, nearness[l], payload[l]);
+                nearness[l] = if wins { near } else { nearness[l] };
+                payload[l] = if wins { self.payload } else { payload[l] };
+            }
+            px += LANES as f64;
+        }
+        for (nearness, payload) in rest_nearness.iter_mut().zip(rest_payload) {
+            let near = bounded(self.a * px + self.row, self.low, self.high);
+            px += 1.0;
+            if is_nearer(near, self.payload, *nearness, *payload) {
+                (*nearness, *payload) = (near, self.payload);
             }
         }
     }

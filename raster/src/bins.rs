@@ -7,6 +7,9 @@ use crate::coverage::Triangle;
 use crate::mask::Weights;
 use crate::plane::Plane;
 
+/// The most rows that a band has.
+pub(crate) const MAX_ROWS: usize = 64;
+
 /// How a map is cut into bands of rows. A band is what one thread owns at a time, and small enough
 /// to stay in its cache while it is cleared and drawn.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +23,7 @@ pub(crate) struct Grid {
 impl Grid {
     pub(crate) fn new(width: u32, height: u32) -> Grid {
         // 8 bytes per texel; a quarter of a megabyte per band, and not too few of them to share.
-        let rows = (32768 / width.max(1)).min(height / 16).clamp(8, 64);
+        let rows = (32768 / width.max(1)).min(height / 16).clamp(8, MAX_ROWS as u32);
         Grid { width, height, shift: rows.ilog2() }
     }
 

@@ -7,7 +7,7 @@ use shadowmap_core::{BandSlice, Level, Mesh, Threads, View, for_each_band};
 
 use crate::band::{Rows, draw_band};
 use crate::binning::{Source, bin};
-use crate::bins::{Chunk, Grid};
+use crate::bins::{Chunk, Grid, MAX_ROWS};
 use crate::project::Projection;
 use crate::vertices::Vertices;
 use crate::{AlphaMask, DrawStats, Payload, Target};
@@ -165,8 +165,8 @@ impl Rasterizer {
         );
         for_each_band(self.threads, bands, &|band, (nearness, payload)| {
             let (nearness, payload) = (nearness.data, payload.data);
-            let kept = if clear { 0 } else { u64::MAX };
-            let mut rows = Rows { grid, band, kept, nearness, payload };
+            let kept = if clear { [0; 2] } else { [0, grid.width] };
+            let mut rows = Rows { grid, band, kept: [kept; MAX_ROWS], nearness, payload };
             draw_band(self.level, &mut rows, &self.chunks, view, mask);
         });
     }
