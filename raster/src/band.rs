@@ -103,36 +103,63 @@ impl Rows<'_> {
 
     #[inline(always)]
     fn small(&mut self, small: &Small) {
-        let width = self.grid.width as i32;
-        let x = i32::from(small.x).min(width - LANES as i32);
-        let shift = (x - i32::from(small.x)) as f32;
-        let plane = &small.plane;
-        let mut offsets = [[0.0_f32; LANES]; 3];
-        let mut along = [0.0_f64; LANES];
-        for l in 0..LANES {
-            for k in 0..3 {
-                offsets[k][l] = (shift + l as f32) * small.step_x[k];
-            }
-            along[l] = plane.a * (f64::from(x + l as i32) + 0.5);
+        match small.last_x - small.x {
+            0..4 => self.narrow::<4>(small),
+            4..8 => self.narrow::<8>(small),
+            _ => self.narrow::<16>(small),
         }
+    }
+
+    /// Draws a triangle of at most `W` columns, a row at a time.
+    #[inline(always)]
+    fn narrow<const W: usize>(&mut self, small: &Small) {
+        let small = *small;
+        let (plane, width) = (small.plane, self.grid.width as usize);
         let range = self.range();
         let first = i32::from(small.y).max(range.start);
         let last = i32::from(small.last_y).min(range.end - 1);
-        for y in first..=last {
-            let down = (y - i32::from(small.y)) as f32;
-            let edges = [0, 1, 2].map(|k| small.edges[k] + down * small.step_y[k]);
-            let row = plane.b * (f64::from(y) + 0.5) + plane.c;
-            let (nearness, payload) = self.row(y);
-            let nearness = nearness[x as usize..].first_chunk_mut::<LANES>().expect("16 texels");
-            let payload = payload[x as usize..].first_chunk_mut::<LANES>().expect("16 texels");
-            for l in 0..LANES {
-                let covered = (edges[0] + offsets[0][l] >= 0.0)
-                    & (edges[1] + offsets[1][l] >= 0.0)
-                    & (edges[2] + offsets[2][l] >= 0.0);
+        // At the right side of the map the window also holds columns left of the bounds.
+        let x = usize::from(small.x).min(width - W);
+        let (right, down) = (x as i32 - i32::from(small.x), first - i32::from(small.y));
+        let mut edges = [[0_i32; W]; 3];
+        for ((edge, start), (step_x, step_y)) in
+            edges.iter_mut().zip(small.edges).zip(small.step_x.into_iter().zip(small.step_y))
+        {
+            let start = start + right * step_x + down * step_y;
+            for (l, edge) in edge.iter_mut().enumerate() {
+                *edge = start + l as i32 * step_x;
+            }
+        }
+        let mut along = [0.0_f64; W];
+        for (l, along) in along.iter_mut().enumerate() {
+            *along = plane.a * ((x + l) as f64 + 0.5);
+        }
+        let mut py = f64::from(first) + 0.5;
+        let start = (first - range.start) as usize * width + x;
+        let rows = self.nearness[start..].chunks_mut(width);
+        let rows = rows.zip(self.payload[start..].chunks_mut(width));
+        for (nearness, payload) in rows.take((last - first + 1) as usize) {
+            let (Some(nearness), Some(payload)) =
+                (nearness.first_chunk_mut::<W>(), payload.first_chunk_mut::<W>())
+            else {
+                return;
+            };
+            let row = plane.b * py + plane.c;
+            py += 1.0;
+            let (mut new_nearness, mut new_payload) = (*nearness, *payload);
+            for l in 0..W {
+                let covered = (edges[0][l] | edges[1][l] | edges[2][l]) >= 0;
                 let near = bounded(along[l] + row, plane.low, plane.high);
-                let wins = covered & is_nearer(near, small.payload, nearness[l], payload[l]);
-                nearness[l] = if wins { near } else { nearness[l] };
-                payload[l] = if wins { small.payload } else { payload[l] };
+                let (old, old_payload) = (new_nearness[l], new_payload[l]);
+                let wins = covered & is_nearer(near, small.payload, old, old_payload);
+                new_nearness[l] = if wins { near } else { old };
+                new_payload[l] = if wins { small.payload } else { old_payload };
+            }
+            (*nearness, *payload) = (new_nearness, new_payload);
+            for (edge, step_y) in edges.iter_mut().zip(small.step_y) {
+                for edge in edge {
+                    *edge += step_y;
+                }
             }
         }
     }

@@ -102,6 +102,7 @@ struct Lanes {
     class: [u32; LANES],
     x: [i32; LANES],
     y: [i32; LANES],
+    last_x: [i32; LANES],
     last_y: [i32; LANES],
     edges: [[f32; LANES]; 3],
     step_x: [[f32; LANES]; 3],
@@ -114,6 +115,7 @@ impl Lanes {
             class: [0; LANES],
             x: [0; LANES],
             y: [0; LANES],
+            last_x: [0; LANES],
             last_y: [0; LANES],
             edges: [[0.0; LANES]; 3],
             step_x: [[0.0; LANES]; 3],
@@ -187,6 +189,7 @@ impl Lanes {
             self.class[l] = if sum.is_nan() { SPECIAL } else { class };
             self.x[l] = x0;
             self.y[l] = y0;
+            self.last_x[l] = x1;
             self.last_y[l] = y1;
         }
     }
@@ -382,10 +385,11 @@ fn emit(
             let small = Small {
                 x: x as u16,
                 y: y as u16,
+                last_x: lanes.last_x[lane] as u16,
                 last_y: last_y as u16,
-                edges: [0, 1, 2].map(|k| lanes.edges[k][lane]),
-                step_x: [0, 1, 2].map(|k| lanes.step_x[k][lane]),
-                step_y: [0, 1, 2].map(|k| lanes.step_y[k][lane]),
+                edges: [0, 1, 2].map(|k| lanes.edges[k][lane] as i32 >> 8),
+                step_x: [0, 1, 2].map(|k| lanes.step_x[k][lane] as i32 >> 8),
+                step_y: [0, 1, 2].map(|k| lanes.step_y[k][lane] as i32 >> 8),
                 plane,
                 payload,
             };

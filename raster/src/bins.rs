@@ -45,22 +45,25 @@ pub(crate) struct Fragment {
     pub(crate) payload: u32,
 }
 
-/// A triangle of less than 16 texels in width and height, set up. Its edge functions are integers
-/// below 2^24, so that single precision holds them exactly.
+/// A triangle of less than 16 texels in width and height, set up.
+///
+/// Its edge functions are divided by 256, rounded down: they change by multiples of 256 from texel
+/// to texel, so that no sign is lost.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Small {
     /// First column and row of its bounds.
     pub(crate) x: u16,
     pub(crate) y: u16,
-    /// Last row of its bounds.
+    /// Last column and row of its bounds.
+    pub(crate) last_x: u16,
     pub(crate) last_y: u16,
     /// The edge functions at the centre of texel (x, y), less what excludes centres on edges that
     /// do not own them: covered is where none is negative.
-    pub(crate) edges: [f32; 3],
+    pub(crate) edges: [i32; 3],
     /// Change of the edge functions from one column to the next.
-    pub(crate) step_x: [f32; 3],
+    pub(crate) step_x: [i32; 3],
     /// Change of the edge functions from one row to the next.
-    pub(crate) step_y: [f32; 3],
+    pub(crate) step_y: [i32; 3],
     pub(crate) plane: Plane,
     pub(crate) payload: u32,
 }
