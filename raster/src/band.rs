@@ -1,13 +1,13 @@
 //! Third stage: draws what is binned into one band of rows.
 
-use crate::AlphaMask;
-use crate::bins::{Chunk, Fragment, Grid, Large, MAX_ROWS, Masked, Small};
-use crate::kernel::kernel;
-use crate::plain::is_nearer;
-use crate::span::Spans;
+use core::ops::Range;
 
-/// Texels per step of a fill.
-const LANES: usize = 16;
+use crate::AlphaMask;
+use crate::bins::{Chunk, Fragments, Grid, Large, MAX_ROWS, Masked, Small};
+use crate::line::{Line, clamp, depth_test};
+use crate::plain::is_nearer;
+use crate::simd::{Simd, kernel};
+use crate::span::Spans;
 
 /// The rows of a map that one thread owns.
 #[derive(Debug)]
@@ -32,17 +32,18 @@ kernel! {
 }
 
 #[inline(always)]
-fn draw_band_body(
+fn draw_band_body<S: Simd>(
+    s: S,
     rows: &mut Rows<'_>,
     chunks: &[Chunk],
     view: usize,
     mask: Option<&AlphaMask<'_>>,
 ) {
     let bins = || chunks.iter().map(|chunk| &chunk.views[view]);
-    // Large triangles first: they need not clear the rows that they are the first to touch.
+    // Large triangles first: where they are the first to touch a texel, it need not be cleared.
     for bins in bins() {
         for &index in &bins.bands[rows.band].large {
-            rows.large(&bins.large[index as usize]);
+            rows.large(s, &bins.large[index as usize]);
         }
     }
     rows.clear_rest();
@@ -50,7 +51,7 @@ fn draw_band_body(
         let band = &bins.bands[rows.band];
         rows.fragments(&band.fragments);
         for small in &band.small {
-            rows.small(small);
+            rows.small(s, small);
         }
         if let Some(mask) = mask {
             for &index in &band.masked {
@@ -61,19 +62,17 @@ fn draw_band_body(
 }
 
 impl Rows<'_> {
-    fn first_row(&self) -> i32 {
-        (self.band << self.grid.shift) as i32
-    }
-
     /// The rows of the map that lie in the band.
-    fn range(&self) -> core::ops::Range<i32> {
-        self.first_row()..self.first_row() + self.grid.rows() as i32
+    #[inline(always)]
+    fn range(&self) -> Range<i32> {
+        let first = self.band << self.grid.shift;
+        first as i32..(first + self.grid.rows()) as i32
     }
 
     #[inline(always)]
     fn row(&mut self, y: i32) -> (&mut [f32], &mut [u32]) {
         let width = self.grid.width as usize;
-        let start = (y - self.first_row()) as usize * width;
+        let start = (y - self.range().start) as usize * width;
         (&mut self.nearness[start..][..width], &mut self.payload[start..][..width])
     }
 
@@ -91,81 +90,62 @@ impl Rows<'_> {
     }
 
     #[inline(always)]
-    fn fragments(&mut self, fragments: &[Fragment]) {
-        for fragment in fragments {
-            let texel = fragment.texel as usize;
-            let (nearness, payload) = (&mut self.nearness[texel], &mut self.payload[texel]);
-            let wins = is_nearer(fragment.nearness, fragment.payload, *nearness, *payload);
-            *nearness = if wins { fragment.nearness } else { *nearness };
-            *payload = if wins { fragment.payload } else { *payload };
-        }
-    }
-
-    #[inline(always)]
-    fn small(&mut self, small: &Small) {
-        match small.last_x - small.x {
-            0..4 => self.narrow::<4>(small),
-            4..8 => self.narrow::<8>(small),
-            _ => self.narrow::<16>(small),
-        }
-    }
-
-    /// Draws a triangle of at most `W` columns, a row at a time.
-    #[inline(always)]
-    fn narrow<const W: usize>(&mut self, small: &Small) {
-        let small = *small;
-        let (plane, width) = (small.plane, self.grid.width as usize);
-        let range = self.range();
-        let first = i32::from(small.y).max(range.start);
-        let last = i32::from(small.last_y).min(range.end - 1);
-        // At the right side of the map the window also holds columns left of the bounds.
-        let x = usize::from(small.x).min(width - W);
-        let (right, down) = (x as i32 - i32::from(small.x), first - i32::from(small.y));
-        let mut edges = [[0_i32; W]; 3];
-        for ((edge, start), (step_x, step_y)) in
-            edges.iter_mut().zip(small.edges).zip(small.step_x.into_iter().zip(small.step_y))
-        {
-            let start = start + right * step_x + down * step_y;
-            for (l, edge) in edge.iter_mut().enumerate() {
-                *edge = start + l as i32 * step_x;
-            }
-        }
-        let mut along = [0.0_f64; W];
-        for (l, along) in along.iter_mut().enumerate() {
-            *along = plane.a * ((x + l) as f64 + 0.5);
-        }
-        let mut py = f64::from(first) + 0.5;
-        let start = (first - range.start) as usize * width + x;
-        let rows = self.nearness[start..].chunks_mut(width);
-        let rows = rows.zip(self.payload[start..].chunks_mut(width));
-        for (nearness, payload) in rows.take((last - first + 1) as usize) {
+    fn fragments(&mut self, fragments: &Fragments) {
+        for (texel, near, mine) in fragments.iter() {
             let (Some(nearness), Some(payload)) =
-                (nearness.first_chunk_mut::<W>(), payload.first_chunk_mut::<W>())
+                (self.nearness.get_mut(texel as usize), self.payload.get_mut(texel as usize))
             else {
                 return;
             };
-            let row = plane.b * py + plane.c;
-            py += 1.0;
-            let (mut new_nearness, mut new_payload) = (*nearness, *payload);
-            for l in 0..W {
-                let covered = (edges[0][l] | edges[1][l] | edges[2][l]) >= 0;
-                let near = bounded(along[l] + row, plane.low, plane.high);
-                let (old, old_payload) = (new_nearness[l], new_payload[l]);
-                let wins = covered & is_nearer(near, small.payload, old, old_payload);
-                new_nearness[l] = if wins { near } else { old };
-                new_payload[l] = if wins { small.payload } else { old_payload };
+            if is_nearer(near, mine, *nearness, *payload) {
+                (*nearness, *payload) = (near, mine);
             }
-            (*nearness, *payload) = (new_nearness, new_payload);
-            for (edge, step_y) in edges.iter_mut().zip(small.step_y) {
-                for edge in edge {
-                    *edge += step_y;
+        }
+    }
+
+    /// Draws strips as wide as the vectors are, row by row.
+    #[inline(always)]
+    fn small<S: Simd>(&mut self, s: S, small: &Small) {
+        let (plane, width) = (&small.plane, self.grid.width as usize);
+        let range = self.range();
+        let first = i32::from(small.y).max(range.start);
+        let end = (i32::from(small.last_y) + 1).min(range.end);
+        let (low, high) = (s.splat_f(plane.low), s.splat_f(plane.high));
+        let mine = s.splat_i(small.payload as i32);
+        for x in (usize::from(small.x)..usize::from(small.last_x) + 1).step_by(S::LANES) {
+            // At the right side of the map a strip also holds columns to the left of its own.
+            let x = x.min(width - S::LANES);
+            let (right, down) = (x as i32 - i32::from(small.x), first - i32::from(small.y));
+            let (mut edges, mut step_y) = ([s.splat_i(0); 3], [s.splat_i(0); 3]);
+            for k in 0..3 {
+                let start = small.edges[k] + right * small.step_x[k] + down * small.step_y[k];
+                let along = s.mul_i(s.lanes(), s.splat_i(small.step_x[k]));
+                edges[k] = s.add_i(s.splat_i(start), along);
+                step_y[k] = s.splat_i(small.step_y[k]);
+            }
+            let lanes = s.d_from_f(s.f_from_i(s.lanes()));
+            let px = s.add_d(lanes, s.splat_d(x as f64 + 0.5));
+            let along = s.mul_d(s.splat_d(plane.a), px);
+            let mut py = f64::from(first) + 0.5;
+            let mut start = (first - range.start) as usize * width + x;
+            for _ in first..end {
+                let outside = s.or_i(s.or_i(edges[0], edges[1]), edges[2]);
+                let covered = s.greater_i(outside, s.splat_i(-1));
+                let row = s.splat_d(plane.b * py + plane.c);
+                let near = clamp(s, s.f_from_d(s.add_d(along, row)), low, high);
+                let (nearness, payload) = (&mut self.nearness[start..], &mut self.payload[start..]);
+                depth_test(s, nearness, payload, near, mine, Some(covered));
+                for k in 0..3 {
+                    edges[k] = s.add_i(edges[k], step_y[k]);
                 }
+                py += 1.0;
+                start += width;
             }
         }
     }
 
     #[inline(always)]
-    fn large(&mut self, large: &Large) {
+    fn large<S: Simd>(&mut self, s: S, large: &Large) {
         let (grid, plane) = (self.grid, &large.plane);
         let Some(spans) = Spans::new(&large.triangle, grid.width, grid.height, self.range()) else {
             return;
@@ -178,7 +158,7 @@ impl Rows<'_> {
                 high: plane.high,
                 payload: large.payload,
             };
-            let kept = &mut self.kept[(y - (self.band << self.grid.shift) as i32) as usize];
+            let kept = &mut self.kept[(y - (self.band << grid.shift) as i32) as usize];
             let [start, end] = kept.map(|x| x as usize);
             let (first, last) = (first as usize, last as usize + 1);
             *kept = if start == end {
@@ -188,18 +168,18 @@ impl Rows<'_> {
             };
             let (nearness, payload) = self.row(y);
             if start == end {
-                line.write(nearness, payload, first, last);
+                line.write(s, nearness, payload, first, last);
                 continue;
             }
             if first < start {
-                line.write(nearness, payload, first, last.min(start));
+                line.write(s, nearness, payload, first, last.min(start));
                 if last < start {
                     nearness[last..start].fill(0.0);
                     payload[last..start].fill(0);
                 }
             }
             if last > end {
-                line.write(nearness, payload, first.max(end), last);
+                line.write(s, nearness, payload, first.max(end), last);
                 if first > end {
                     nearness[end..first].fill(0.0);
                     payload[end..first].fill(0);
@@ -207,7 +187,7 @@ impl Rows<'_> {
             }
             let (first, last) = (first.max(start), last.min(end));
             if first < last {
-                line.draw(nearness, payload, first, last);
+                line.draw(s, nearness, payload, first, last);
             }
         }
     }
@@ -232,73 +212,4 @@ impl Rows<'_> {
             }
         }
     }
-}
-
-/// The part of a triangle in one row.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    a: f64,
-    row: f64,
-    low: f32,
-    high: f32,
-    payload: u32,
-}
-
-impl Line {
-    /// Fills texels that hold nothing yet.
-    #[inline(always)]
-    fn write(self, nearness: &mut [f32], payload: &mut [u32], first: usize, end: usize) {
-        if self.low <= 0.0 {
-            // It may be nothing at some texels.
-            nearness[first..end].fill(0.0);
-            payload[first..end].fill(0);
-            return self.draw(nearness, payload, first, end);
-        }
-        let (nearness, payload) = (&mut nearness[first..end], &mut payload[first..end]);
-        payload.fill(self.payload);
-        let mut px = first as f64 + 0.5;
-        let (nearness, rest) = nearness.as_chunks_mut::<LANES>();
-        for nearness in nearness {
-            for (l, near) in nearness.iter_mut().enumerate() {
-                *near = bounded(self.a * (px + l as f64) + self.row, self.low, self.high);
-            }
-            px += LANES as f64;
-        }
-        for near in rest {
-            *near = bounded(self.a * px + self.row, self.low, self.high);
-            px += 1.0;
-        }
-    }
-
-    /// Fills texels where nothing nearer is.
-    #[inline(always)]
-    fn draw(self, nearness: &mut [f32], payload: &mut [u32], first: usize, end: usize) {
-        let (nearness, payload) = (&mut nearness[first..end], &mut payload[first..end]);
-        let mut px = first as f64 + 0.5;
-        let (nearness, rest_nearness) = nearness.as_chunks_mut::<LANES>();
-        let (payload, rest_payload) = payload.as_chunks_mut::<LANES>();
-        for (nearness, payload) in nearness.iter_mut().zip(payload) {
-            for l in 0..LANES {
-                let near = bounded(self.a * (px + l as f64) + self.row, self.low, self.high);
-                let wins = is_nearer(near, self.payload, nearness[l], payload[l]);
-                nearness[l] = if wins { near } else { nearness[l] };
-                payload[l] = if wins { self.payload } else { payload[l] };
-            }
-            px += LANES as f64;
-        }
-        for (nearness, payload) in rest_nearness.iter_mut().zip(rest_payload) {
-            let near = bounded(self.a * px + self.row, self.low, self.high);
-            px += 1.0;
-            if is_nearer(near, self.payload, *nearness, *payload) {
-                (*nearness, *payload) = (near, self.payload);
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn bounded(value: f64, low: f32, high: f32) -> f32 {
-    let value = value as f32;
-    let value = if value > low { value } else { low };
-    if value < high { value } else { high }
 }

@@ -1,25 +1,23 @@
-//! Second stage: which texels could each triangle cover? 64 triangles at a time.
+//! Second stage: which texels could each triangle cover? As many triangles at a time as a vector
+//! has lanes.
 //!
 //! Most triangles of a mesh seen from a light cover no texel centre, or a few. So the first question
-//! is answered for all lanes alike, without a branch; only those that cover something get a plane
-//! equation, and the smallest ones leave this stage as finished [`Fragment`]s.
+//! is answered for all lanes alike, without a branch; only where some lane covers something are
+//! plane equations set up, and the smallest triangles leave this stage as finished fragments.
 
 use shadowmap_core::Mesh;
 
-use crate::bins::{Bins, Fragment, Grid, Large, Masked, Small};
+use crate::bins::{Bins, Grid, Large, Masked, Small};
 use crate::clip::{Clipped, INVALID, SetUp};
-use crate::coverage::{SUBTEXELS, Triangle, centers_between, snap};
-use crate::kernel::kernel;
+use crate::coverage::{SNAP_SHIFT, SUBTEXELS, Triangle};
+use crate::line::clamp;
 use crate::mask::Weights;
 use crate::plain::vertices;
 use crate::plane::{Plane, STEEPEST};
 use crate::project::Projection;
-use crate::vertices::{OUT_OF_RANGE, Vertices};
+use crate::simd::{MAX_LANES, Simd, kernel, set_bits};
+use crate::vertices::{OUT_OF_RANGE, Seen, Vertices};
 use crate::{AlphaMask, Payload};
-
-/// Triangles in flight: enough that no load waits for the store before it, few enough for the
-/// first-level cache.
-const LANES: usize = 64;
 
 /// Below this width and height, in 1/256 texel, a triangle is small: its edge functions are exact
 /// in single precision.
@@ -42,384 +40,378 @@ kernel! {
 }
 
 #[inline(always)]
-fn bin_body(source: &Source<'_>, first: usize, end: usize, bins: &mut Bins) {
-    let mut corners = Corners { u: [[0.0; LANES]; 3], v: [[0.0; LANES]; 3] };
-    let mut lanes = Lanes::new();
-    let mut survivors = Survivors::new();
-    for first in (first..end).step_by(LANES) {
-        let triangles = &source.mesh.triangles[first..end.min(first + LANES)];
-        corners.gather(source, triangles);
-        lanes.cover(&corners, &source.grid);
-        if let Some(mask) = source.mask {
-            for (lane, class) in lanes.class[..triangles.len()].iter_mut().enumerate() {
-                if mask.is_masked(first + lane) {
-                    *class = SPECIAL;
-                }
-            }
-        }
-        survivors.select(&lanes, source, triangles, &corners);
-        bins.stats.drawn += lanes.class.iter().filter(|&&class| class & IN_BOUNDS != 0).count();
-        for i in 0..survivors.count {
-            emit(source, first, &lanes, &survivors, i, bins);
-        }
+fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: &mut Bins) {
+    let mut first = first;
+    while first + S::LANES <= end {
+        let triangles = &source.mesh.triangles[first..first + S::LANES];
+        bin_group(s, source, first, triangles, S::LANES, bins);
+        first += S::LANES;
+    }
+    if first < end {
+        // Triangles past the end are points, which have no area.
+        let mut triangles = [[0; 3]; MAX_LANES];
+        triangles[..end - first].copy_from_slice(&source.mesh.triangles[first..end]);
+        bin_group(s, source, first, &triangles[..S::LANES], end - first, bins);
     }
 }
 
-/// Classes of triangles: the four lowest bits are the texels (0, 0), (1, 0), (0, 1), (1, 1) of its
-/// bounds that a tiny triangle covers.
-const TINY: u32 = 15;
-const IS_SMALL: u32 = 16;
-const IS_LARGE: u32 = 32;
-const SPECIAL: u32 = 64;
-const SURVIVES: u32 = 127;
-const IN_BOUNDS: u32 = 128;
-
-struct Corners {
-    u: [[f32; LANES]; 3],
-    v: [[f32; LANES]; 3],
-}
-
-impl Corners {
-    #[inline(always)]
-    fn gather(&mut self, source: &Source<'_>, triangles: &[[u32; 3]]) {
-        let seen = &source.vertices.seen[..];
-        for (lane, triangle) in triangles.iter().enumerate() {
-            for k in 0..3 {
-                let [u, v] = seen.get(triangle[k] as usize).copied().unwrap_or(OUT_OF_RANGE);
-                self.u[k][lane] = u;
-                self.v[k][lane] = v;
-            }
-        }
-        // Points have no area and are not drawn.
-        for k in 0..3 {
-            self.u[k][triangles.len()..].fill(0.0);
-            self.v[k][triangles.len()..].fill(0.0);
-        }
-    }
-}
-
-struct Lanes {
-    class: [u32; LANES],
-    x: [i32; LANES],
-    y: [i32; LANES],
-    last_x: [i32; LANES],
-    last_y: [i32; LANES],
-    edges: [[f32; LANES]; 3],
-    step_x: [[f32; LANES]; 3],
-    step_y: [[f32; LANES]; 3],
-}
-
-impl Lanes {
-    fn new() -> Lanes {
-        Lanes {
-            class: [0; LANES],
-            x: [0; LANES],
-            y: [0; LANES],
-            last_x: [0; LANES],
-            last_y: [0; LANES],
-            edges: [[0.0; LANES]; 3],
-            step_x: [[0.0; LANES]; 3],
-            step_y: [[0.0; LANES]; 3],
-        }
-    }
-
-    #[inline(always)]
-    fn cover(&mut self, corners: &Corners, grid: &Grid) {
-        let (width, height) = (grid.width as i32, grid.height as i32);
-        let no_small = if width < 16 { IS_LARGE } else { 0 };
-        for l in 0..LANES {
-            let u = [corners.u[0][l], corners.u[1][l], corners.u[2][l]];
-            let v = [corners.v[0][l], corners.v[1][l], corners.v[2][l]];
-            let sum = u[0] + u[1] + u[2];
-            let x = [snap(u[0]), snap(u[1]), snap(u[2])];
-            let y = [snap(v[0]), snap(v[1]), snap(v[2])];
-            let (low_x, high_x) = (x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]));
-            let (low_y, high_y) = (y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]));
-            let (x0, x1) = centers_between(low_x, high_x, width);
-            let (y0, y1) = centers_between(low_y, high_y, height);
-            // Relative to the first texel's centre.
-            let (cx, cy) = (x0 * SUBTEXELS + SUBTEXELS / 2, y0 * SUBTEXELS + SUBTEXELS / 2);
-            let rx = [
-                x[0].wrapping_sub(cx) as f32,
-                x[1].wrapping_sub(cx) as f32,
-                x[2].wrapping_sub(cx) as f32,
-            ];
-            let ry = [
-                y[0].wrapping_sub(cy) as f32,
-                y[1].wrapping_sub(cy) as f32,
-                y[2].wrapping_sub(cy) as f32,
-            ];
-            let area = (rx[1] - rx[0]) * (ry[2] - ry[0]) - (ry[1] - ry[0]) * (rx[2] - rx[0]);
-            let sign = if area < 0.0 { -1.0_f32 } else { 1.0 };
-            let mut edges = [0.0_f32; 3];
-            let mut step_x = [0.0_f32; 3];
-            let mut step_y = [0.0_f32; 3];
-            for k in 0..3 {
-                let (from, to) = (k, (k + 1) % 3);
-                let dx = (rx[to] - rx[from]) * sign;
-                let dy = (ry[to] - ry[from]) * sign;
-                let owned = (dy < 0.0) | ((dy == 0.0) & (dx > 0.0));
-                edges[k] = (dy * rx[from] - dx * ry[from]) - if owned { 0.0 } else { 1.0 };
-                step_x[k] = -(dy * SUBTEXELS as f32);
-                step_y[k] = dx * SUBTEXELS as f32;
-                self.edges[k][l] = edges[k];
-                self.step_x[k][l] = step_x[k];
-                self.step_y[k][l] = step_y[k];
-            }
-            let [e0, e1, e2] = edges;
-            let [a0, a1, a2] = step_x;
-            let [b0, b1, b2] = step_y;
-            let c00 = (e0 >= 0.0) & (e1 >= 0.0) & (e2 >= 0.0);
-            let c10 = (e0 + a0 >= 0.0) & (e1 + a1 >= 0.0) & (e2 + a2 >= 0.0) & (x0 < x1);
-            let (f0, f1, f2) = (e0 + b0, e1 + b1, e2 + b2);
-            let c01 = (f0 >= 0.0) & (f1 >= 0.0) & (f2 >= 0.0) & (y0 < y1);
-            let c11 =
-                (f0 + a0 >= 0.0) & (f1 + a1 >= 0.0) & (f2 + a2 >= 0.0) & (x0 < x1) & (y0 < y1);
-            let tiny =
-                u32::from(c00) | u32::from(c10) << 1 | u32::from(c01) << 2 | u32::from(c11) << 3;
-            let in_bounds = (x0 <= x1) & (y0 <= y1);
-            let is_small =
-                (high_x.wrapping_sub(low_x) < SMALL) & (high_y.wrapping_sub(low_y) < SMALL);
-            let is_tiny = (x1 - x0 < 2) & (y1 - y0 < 2);
-            let class = if is_tiny { tiny | IN_BOUNDS } else { IS_SMALL | IN_BOUNDS };
-            let class = if area == 0.0 { 0 } else { class };
-            let class = if is_small { class } else { IS_LARGE };
-            let class = if no_small != 0 { no_small } else { class };
-            let class = if in_bounds { class } else { 0 };
-            self.class[l] = if sum.is_nan() { SPECIAL } else { class };
-            self.x[l] = x0;
-            self.y[l] = y0;
-            self.last_x[l] = x1;
-            self.last_y[l] = y1;
-        }
-    }
-}
-
-/// The triangles that cover something, and their planes.
-struct Survivors {
-    count: usize,
-    lane: [u8; LANES],
-    groups: [Group; LANES / GROUP],
-}
-
-/// Triangles set up at a time.
-const GROUP: usize = 16;
-
-/// Triangles side by side.
-#[derive(Clone, Copy)]
-struct Group {
-    u: [[f32; GROUP]; 3],
-    v: [[f32; GROUP]; 3],
-    nearness: [[f32; GROUP]; 3],
-    x: [i32; GROUP],
-    y: [i32; GROUP],
-    a: [f64; GROUP],
-    b: [f64; GROUP],
-    c: [f64; GROUP],
-    low: [f32; GROUP],
-    high: [f32; GROUP],
-    /// Nearness at the four texels of a tiny triangle.
-    texels: [[f32; GROUP]; 4],
-}
-
-impl Survivors {
-    fn new() -> Survivors {
-        let group = Group {
-            u: [[0.0; GROUP]; 3],
-            v: [[0.0; GROUP]; 3],
-            nearness: [[0.0; GROUP]; 3],
-            x: [0; GROUP],
-            y: [0; GROUP],
-            a: [0.0; GROUP],
-            b: [0.0; GROUP],
-            c: [0.0; GROUP],
-            low: [0.0; GROUP],
-            high: [0.0; GROUP],
-            texels: [[0.0; GROUP]; 4],
-        };
-        Survivors { count: 0, lane: [0; LANES], groups: [group; LANES / GROUP] }
-    }
-
-    #[inline(always)]
-    fn select(
-        &mut self,
-        lanes: &Lanes,
-        source: &Source<'_>,
-        triangles: &[[u32; 3]],
-        corners: &Corners,
-    ) {
-        let nearness = &source.vertices.nearness[..];
-        self.count = 0;
-        for lane in 0..LANES {
-            self.lane[self.count % LANES] = lane as u8;
-            self.count += usize::from(lanes.class[lane] & SURVIVES != 0);
-        }
-        for i in 0..self.count {
-            let lane = self.lane[i] as usize % LANES;
-            let group = &mut self.groups[i / GROUP];
-            let i = i % GROUP;
-            for k in 0..3 {
-                group.u[k][i] = corners.u[k][lane];
-                group.v[k][i] = corners.v[k][lane];
-                let vertex = triangles[lane][k] as usize;
-                group.nearness[k][i] = nearness.get(vertex).copied().unwrap_or(0.0);
-            }
-            group.x[i] = lanes.x[lane];
-            group.y[i] = lanes.y[lane];
-        }
-        for group in &mut self.groups[..self.count.div_ceil(GROUP)] {
-            group.planes();
-        }
-    }
-}
-
-impl Group {
-    /// [`Plane::through`] and [`Plane::at`] in the same order of operations.
-    #[inline(always)]
-    fn planes(&mut self) {
-        for i in 0..GROUP {
-            let x0 = f64::from(self.u[0][i]);
-            let x1 = f64::from(self.u[1][i]);
-            let x2 = f64::from(self.u[2][i]);
-            let y0 = f64::from(self.v[0][i]);
-            let y1 = f64::from(self.v[1][i]);
-            let y2 = f64::from(self.v[2][i]);
-            let n0 = f64::from(self.nearness[0][i]);
-            let n1 = f64::from(self.nearness[1][i]);
-            let n2 = f64::from(self.nearness[2][i]);
-            let (dx1, dy1, dn1) = (x1 - x0, y1 - y0, n1 - n0);
-            let (dx2, dy2, dn2) = (x2 - x0, y2 - y0, n2 - n0);
-            let scale = 1.0 / (dx1 * dy2 - dx2 * dy1);
-            let a = (dn1 * dy2 - dn2 * dy1) * scale;
-            let b = (dx1 * dn2 - dx2 * dn1) * scale;
-            self.a[i] = a;
-            self.b[i] = b;
-            self.c[i] = n0 - (a * x0 + b * y0);
-        }
-        for i in 0..GROUP {
-            let n = [self.nearness[0][i], self.nearness[1][i], self.nearness[2][i]];
-            self.low[i] = least(n[0], least(n[1], n[2]));
-            self.high[i] = most(n[0], most(n[1], n[2]));
-        }
-        for i in 0..GROUP {
-            let (a, b, c) = (self.a[i], self.b[i], self.c[i]);
-            let sound = (a.abs() < STEEPEST) & (b.abs() < STEEPEST) & (c.abs() < STEEPEST);
-            let a = if sound { a } else { 0.0 };
-            let b = if sound { b } else { 0.0 };
-            let c = if sound { c } else { f64::from(self.high[i]) };
-            self.a[i] = a;
-            self.b[i] = b;
-            self.c[i] = c;
-            let (px, py) = (f64::from(self.x[i]) + 0.5, f64::from(self.y[i]) + 0.5);
-            let (ax0, ax1) = (a * px, a * (px + 1.0));
-            let (by0, by1) = (b * py + c, b * (py + 1.0) + c);
-            self.texels[0][i] = (ax0 + by0) as f32;
-            self.texels[1][i] = (ax1 + by0) as f32;
-            self.texels[2][i] = (ax0 + by1) as f32;
-            self.texels[3][i] = (ax1 + by1) as f32;
-        }
-        for k in 0..4 {
-            for i in 0..GROUP {
-                self.texels[k][i] = least(most(self.texels[k][i], self.low[i]), self.high[i]);
-            }
-        }
-    }
-}
-
-/// Minimum of numbers that are not NaN: one instruction, unlike `f32::min`.
+/// Sorts one vector of triangles, of which the first `count` are wanted.
 #[inline(always)]
-fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// Maximum of numbers that are not NaN.
-#[inline(always)]
-fn most(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn emit(
+fn bin_group<S: Simd>(
+    s: S,
     source: &Source<'_>,
     first: usize,
-    lanes: &Lanes,
-    survivors: &Survivors,
-    i: usize,
+    triangles: &[[u32; 3]],
+    count: usize,
+    bins: &mut Bins,
+) {
+    let seen = s.gather_pairs(&source.vertices.seen, triangles, OUT_OF_RANGE);
+    let wanted = (1 << count) - 1;
+    let lanes = Lanes::cover(s, &seen, wanted, &source.grid);
+    let Lanes { mut special, mut drawn, mut large, .. } = lanes;
+    if let Some(mask) = source.mask {
+        let masked = set_bits(drawn | large).filter(|lane| mask.is_masked(first + lane));
+        special |= masked.fold(0, |bits, lane| bits | 1 << lane);
+        drawn &= !special;
+        large &= !special;
+    }
+    let covers = lanes.tiny[0] | lanes.tiny[1] | lanes.tiny[2] | lanes.tiny[3] | lanes.small;
+    if covers & drawn != 0 {
+        let near = s.gather(&source.vertices.nearness, triangles);
+        let planes = Planes::through(s, &seen, near);
+        // A gradient that means nothing is left to the scalar code.
+        large |= covers & drawn & !planes.sound;
+        drawn &= !(covers & !planes.sound);
+        push_tiny(s, source, first, &lanes, drawn, &planes, bins);
+        if lanes.small & drawn != 0 {
+            push_small(s, source, first, &lanes, lanes.small & drawn, &planes, bins);
+        }
+    }
+    bins.stats.drawn += drawn.count_ones() as usize;
+    for lane in set_bits(large) {
+        push_large(source, first + lane, triangles[lane], bins);
+    }
+    for lane in set_bits(special) {
+        push_special(source, first + lane, bins);
+    }
+}
+
+/// A vector of triangles, snapped, and what they cover.
+struct Lanes<S: Simd> {
+    /// The bounds: first and last column, first and last row.
+    x: [S::I; 2],
+    y: [S::I; 2],
+    /// The edge functions at the centre of the first texel, less 1 where they do not own it.
+    edges: [S::F; 3],
+    /// The extent of each edge.
+    delta: [[S::F; 2]; 3],
+    /// Less than [`SMALL`], with an area and something in the bounds.
+    drawn: u32,
+    /// Of these, those that cover the texels (0, 0), (1, 0), (0, 1), (1, 1) of bounds that have no
+    /// others.
+    tiny: [u32; 4],
+    /// Those with larger bounds.
+    small: u32,
+    /// Not small, with something in the bounds.
+    large: u32,
+    /// With a vertex that needs clipping.
+    special: u32,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    fn cover(s: S, seen: &[(S::F, S::F); 3], wanted: u32, grid: &Grid) -> Lanes<S> {
+        let zero = s.splat_f(0.0);
+        let sum = s.add_f(s.add_f(seen[0].0, seen[1].0), seen[2].0);
+        let special = !s.bits(s.equal_f(sum, sum));
+        let us = [snap(s, seen[0].0), snap(s, seen[1].0), snap(s, seen[2].0)];
+        let vs = [snap(s, seen[0].1), snap(s, seen[1].1), snap(s, seen[2].1)];
+        let (x, wide) = bounds(s, us, grid.width);
+        let (y, high) = bounds(s, vs, grid.height);
+        let empty = s.or_m(s.greater_i(x[0], x[1]), s.greater_i(y[0], y[1]));
+        let in_bounds = wanted & !s.bits(empty) & !special;
+        // From here on relative to the centre of the first texel.
+        let us = relative(s, us, x[0]);
+        let vs = relative(s, vs, y[0]);
+        let mut delta = [[zero; 2]; 3];
+        for (k, delta) in delta.iter_mut().enumerate() {
+            let to = (k + 1) % 3;
+            *delta = [s.sub_f(us[to], us[k]), s.sub_f(vs[to], vs[k])];
+        }
+        // Wound so that the edge functions are positive inside; (dx, dy) of edge 2 points back to
+        // vertex 0, whence the order of the products.
+        let area = s.sub_f(s.mul_f(delta[2][0], delta[0][1]), s.mul_f(delta[0][0], delta[2][1]));
+        let step = s.splat_f(SUBTEXELS as f32);
+        let (mut edges, mut right, mut below, mut both) =
+            ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+        for k in 0..3 {
+            let [dx, dy] = [s.flip_f(delta[k][0], area), s.flip_f(delta[k][1], area)];
+            delta[k] = [dx, dy];
+            let level = s.and_m(s.equal_f(dy, zero), s.less_f(zero, dx));
+            let owned = s.or_m(s.less_f(dy, zero), level);
+            let edge = s.sub_f(s.mul_f(dy, us[k]), s.mul_f(dx, vs[k]));
+            edges[k] = s.sub_f(edge, s.select_f(owned, zero, s.splat_f(1.0)));
+            right[k] = s.sub_f(edges[k], s.mul_f(dy, step));
+            below[k] = s.add_f(edges[k], s.mul_f(dx, step));
+            both[k] = s.add_f(right[k], s.mul_f(dx, step));
+        }
+        let has_right = s.bits(s.greater_i(x[1], x[0]));
+        let has_below = s.bits(s.greater_i(y[1], y[0]));
+        let one = s.splat_i(1);
+        let beyond =
+            s.or_m(s.greater_i(s.sub_i(x[1], x[0]), one), s.greater_i(s.sub_i(y[1], y[0]), one));
+        let is_tiny = !s.bits(beyond);
+        let limit = s.splat_i(SMALL);
+        let is_small = s.bits(s.and_m(s.greater_i(limit, wide), s.greater_i(limit, high)));
+        let is_small = if (grid.width as usize) < MAX_LANES { 0 } else { is_small };
+        let flat = s.bits(s.equal_f(area, zero));
+        let drawn = in_bounds & is_small & !flat;
+        let tiny = drawn & is_tiny;
+        Lanes {
+            x,
+            y,
+            edges,
+            delta,
+            tiny: [
+                tiny & inside(s, edges),
+                tiny & inside(s, right) & has_right,
+                tiny & inside(s, below) & has_below,
+                tiny & inside(s, both) & has_right & has_below,
+            ],
+            small: drawn & !is_tiny,
+            large: in_bounds & !is_small,
+            special: special & wanted,
+            drawn,
+        }
+    }
+}
+
+/// The lanes in which no edge function is negative.
+#[inline(always)]
+fn inside<S: Simd>(s: S, [a, b, c]: [S::F; 3]) -> u32 {
+    !s.bits(s.less_f(s.min_f(s.min_f(a, b), c), s.splat_f(0.0)))
+}
+
+/// Snapped coordinates relative to the centre of a texel.
+#[inline(always)]
+fn relative<S: Simd>(s: S, [a, b, c]: [S::I; 3], texel: S::I) -> [S::F; 3] {
+    let center = s.add_i(s.shift_left::<8>(texel), s.splat_i(SUBTEXELS / 2));
+    [s.f_from_i(s.sub_i(a, center)), s.f_from_i(s.sub_i(b, center)), s.f_from_i(s.sub_i(c, center))]
+}
+
+/// [`crate::coverage::snap`].
+#[inline(always)]
+fn snap<S: Simd>(s: S, a: S::F) -> S::I {
+    let shifted = s.add_f(s.mul_f(a, s.splat_f(SUBTEXELS as f32)), s.splat_f(SNAP_SHIFT));
+    s.sub_i(s.i_from_bits(shifted), s.splat_i(SNAP_SHIFT.to_bits() as i32))
+}
+
+/// First and last texel along one axis, as [`crate::coverage::centers_between`], and the extent.
+#[inline(always)]
+fn bounds<S: Simd>(s: S, [a, b, c]: [S::I; 3], size: u32) -> ([S::I; 2], S::I) {
+    const HALF: i32 = SUBTEXELS / 2;
+    let (low, high) = (s.min_i(s.min_i(a, b), c), s.max_i(s.max_i(a, b), c));
+    let first = s.shift_right::<8>(s.add_i(low, s.splat_i(HALF - 1)));
+    let last = s.shift_right::<8>(s.sub_i(high, s.splat_i(HALF)));
+    let bounds = [s.max_i(first, s.splat_i(0)), s.min_i(last, s.splat_i(size as i32 - 1))];
+    (bounds, s.sub_i(high, low))
+}
+
+/// Plane equations side by side.
+struct Planes<S: Simd> {
+    a: S::D,
+    b: S::D,
+    c: S::D,
+    low: S::F,
+    high: S::F,
+    /// Which of them mean something.
+    sound: u32,
+}
+
+impl<S: Simd> Planes<S> {
+    /// [`Plane::through`], in the same order of operations.
+    #[inline(always)]
+    fn through(s: S, seen: &[(S::F, S::F); 3], near: [S::F; 3]) -> Planes<S> {
+        let (x0, y0) = (s.d_from_f(seen[0].0), s.d_from_f(seen[0].1));
+        let n0 = s.d_from_f(near[0]);
+        let dx1 = s.sub_d(s.d_from_f(seen[1].0), x0);
+        let dx2 = s.sub_d(s.d_from_f(seen[2].0), x0);
+        let dy1 = s.sub_d(s.d_from_f(seen[1].1), y0);
+        let dy2 = s.sub_d(s.d_from_f(seen[2].1), y0);
+        let dn1 = s.sub_d(s.d_from_f(near[1]), n0);
+        let dn2 = s.sub_d(s.d_from_f(near[2]), n0);
+        let scale = s.div_d(s.splat_d(1.0), cross(s, dx1, dy2, dx2, dy1));
+        let a = s.mul_d(cross(s, dn1, dy2, dn2, dy1), scale);
+        let b = s.mul_d(cross(s, dx1, dn2, dx2, dn1), scale);
+        let c = s.sub_d(n0, s.add_d(s.mul_d(a, x0), s.mul_d(b, y0)));
+        let low = s.min_f(s.min_f(near[0], near[1]), near[2]);
+        let high = s.max_f(s.max_f(near[0], near[1]), near[2]);
+        let sound = is_sound(s, a) & is_sound(s, b) & is_sound(s, c);
+        Planes { a, b, c, low, high, sound }
+    }
+}
+
+/// `a b - c d`.
+#[inline(always)]
+fn cross<S: Simd>(s: S, a: S::D, b: S::D, c: S::D, d: S::D) -> S::D {
+    s.sub_d(s.mul_d(a, b), s.mul_d(c, d))
+}
+
+/// The lanes of less than [`STEEPEST`].
+#[inline(always)]
+fn is_sound<S: Simd>(s: S, a: S::D) -> u32 {
+    let a = s.f_from_d(a);
+    s.bits(s.and_m(s.less_f(a, s.splat_f(STEEPEST)), s.less_f(s.splat_f(-STEEPEST), a)))
+}
+
+/// The payloads of the triangles from `first` on.
+#[inline(always)]
+fn payloads<S: Simd>(s: S, source: &Source<'_>, first: usize) -> S::I {
+    match source.payload {
+        Payload::TriangleIndex => {
+            s.add_i(s.splat_i((first as u32).wrapping_add(1) as i32), s.lanes())
+        }
+        Payload::ObjectId => {
+            let ids = source.mesh.ids.get(first..).unwrap_or_default();
+            if ids.len() >= S::LANES {
+                return s.load_u(ids);
+            }
+            let mut padded = [0; MAX_LANES];
+            padded[..ids.len()].copy_from_slice(ids);
+            s.load_u(&padded)
+        }
+    }
+}
+
+/// Turns triangles of at most 2x2 texels into fragments.
+#[inline(always)]
+fn push_tiny<S: Simd>(
+    s: S,
+    source: &Source<'_>,
+    first: usize,
+    lanes: &Lanes<S>,
+    drawn: u32,
+    planes: &Planes<S>,
     bins: &mut Bins,
 ) {
     let grid = &source.grid;
-    let lane = survivors.lane[i] as usize % LANES;
-    let group = &survivors.groups[i / GROUP];
-    let i = i % GROUP;
-    let class = lanes.class[lane];
-    let index = first + lane;
-    let (x, y) = (group.x[i], group.y[i]);
-    if class & TINY != 0 {
-        let payload = source.payload.of(index, source.mesh.ids);
-        let mut covered = class & TINY;
-        while covered != 0 {
-            let k = covered.trailing_zeros() as usize;
-            covered &= covered - 1;
-            let (x, y) = (x as u32 + (k as u32 & 1), y as u32 + (k as u32 >> 1));
-            let texel = (y & ((1 << grid.shift) - 1)) * grid.width + x;
-            let nearness = group.texels[k][i];
-            bins.bands[(y >> grid.shift) as usize].fragments.push(Fragment {
-                texel,
-                nearness,
-                payload,
-            });
+    let payload = payloads(s, source, first);
+    let (one, half) = (s.splat_d(1.0), s.splat_d(0.5));
+    let px = s.add_d(s.d_from_f(s.f_from_i(lanes.x[0])), half);
+    let py = s.add_d(s.d_from_f(s.f_from_i(lanes.y[0])), half);
+    let along = [s.mul_d(planes.a, px), s.mul_d(planes.a, s.add_d(px, one))];
+    for down in 0..2 {
+        let (left, right) = (lanes.tiny[2 * down] & drawn, lanes.tiny[2 * down + 1] & drawn);
+        if left | right == 0 {
+            continue;
         }
-        return;
+        let py = s.add_d(py, s.splat_d(down as f64));
+        let row = s.add_d(s.mul_d(planes.b, py), planes.c);
+        let near = [
+            clamp(s, s.f_from_d(s.add_d(along[0], row)), planes.low, planes.high),
+            clamp(s, s.f_from_d(s.add_d(along[1], row)), planes.low, planes.high),
+        ];
+        let y = s.add_i(lanes.y[0], s.splat_i(down as i32));
+        let mut ys = [0; MAX_LANES];
+        s.store_u(&mut ys, y);
+        let mut rest = left | right;
+        while rest != 0 {
+            // The lanes in the band of the first one that is left.
+            let band = ys[rest.trailing_zeros() as usize % MAX_LANES] >> grid.shift;
+            let start = (band << grid.shift) as i32;
+            let end = start + grid.rows() as i32;
+            let inside =
+                s.and_m(s.greater_i(y, s.splat_i(start - 1)), s.greater_i(s.splat_i(end), y));
+            let inside = s.bits(inside);
+            let row = s.mul_i(s.sub_i(y, s.splat_i(start)), s.splat_i(grid.width as i32));
+            let texel = s.add_i(row, lanes.x[0]);
+            let fragments = &mut bins.bands[band as usize].fragments;
+            if left & inside != 0 {
+                fragments.push(s, left & inside, texel, near[0], payload);
+            }
+            if right & inside != 0 {
+                let texel = s.add_i(texel, s.splat_i(1));
+                fragments.push(s, right & inside, texel, near[1], payload);
+            }
+            rest &= !inside;
+        }
     }
-    let plane = Plane {
-        a: group.a[i],
-        b: group.b[i],
-        c: group.c[i],
-        low: group.low[i],
-        high: group.high[i],
-    };
-    let payload = source.payload.of(index, source.mesh.ids);
-    match class & SURVIVES {
-        IS_SMALL => {
-            let last_y = lanes.last_y[lane];
-            let small = Small {
-                x: x as u16,
-                y: y as u16,
-                last_x: lanes.last_x[lane] as u16,
-                last_y: last_y as u16,
-                edges: [0, 1, 2].map(|k| lanes.edges[k][lane] as i32 >> 8),
-                step_x: [0, 1, 2].map(|k| lanes.step_x[k][lane] as i32 >> 8),
-                step_y: [0, 1, 2].map(|k| lanes.step_y[k][lane] as i32 >> 8),
-                plane,
-                payload,
-            };
-            for band in y >> grid.shift..=last_y >> grid.shift {
-                bins.bands[band as usize].small.push(small);
-            }
+}
+
+/// Sorts small triangles into the bands that they touch.
+#[inline(always)]
+fn push_small<S: Simd>(
+    s: S,
+    source: &Source<'_>,
+    first: usize,
+    lanes: &Lanes<S>,
+    small: u32,
+    planes: &Planes<S>,
+    bins: &mut Bins,
+) {
+    let grid = &source.grid;
+    let (mut x, mut y) = ([[0; MAX_LANES]; 2], [[0; MAX_LANES]; 2]);
+    for k in 0..2 {
+        s.store_u(&mut x[k], lanes.x[k]);
+        s.store_u(&mut y[k], lanes.y[k]);
+    }
+    let (mut edges, mut dx, mut dy) =
+        ([[0.0; MAX_LANES]; 3], [[0.0; MAX_LANES]; 3], [[0.0; MAX_LANES]; 3]);
+    for k in 0..3 {
+        s.store_f(&mut edges[k], lanes.edges[k]);
+        s.store_f(&mut dx[k], lanes.delta[k][0]);
+        s.store_f(&mut dy[k], lanes.delta[k][1]);
+    }
+    let (mut a, mut b, mut c) = ([0.0; MAX_LANES], [0.0; MAX_LANES], [0.0; MAX_LANES]);
+    s.store_d(&mut a, planes.a);
+    s.store_d(&mut b, planes.b);
+    s.store_d(&mut c, planes.c);
+    let (mut low, mut high, mut payload) = ([0.0; MAX_LANES], [0.0; MAX_LANES], [0; MAX_LANES]);
+    s.store_f(&mut low, planes.low);
+    s.store_f(&mut high, planes.high);
+    s.store_u(&mut payload, payloads(s, source, first));
+    for lane in set_bits(small) {
+        let small = Small {
+            x: x[0][lane] as u16,
+            y: y[0][lane] as u16,
+            last_x: x[1][lane] as u16,
+            last_y: y[1][lane] as u16,
+            edges: [0, 1, 2].map(|k| edges[k][lane] as i32 >> 8),
+            step_x: [0, 1, 2].map(|k| -(dy[k][lane] as i32)),
+            step_y: [0, 1, 2].map(|k| dx[k][lane] as i32),
+            plane: Plane { a: a[lane], b: b[lane], c: c[lane], low: low[lane], high: high[lane] },
+            payload: payload[lane],
+        };
+        for band in y[0][lane] >> grid.shift..=y[1][lane] >> grid.shift {
+            bins.bands[band as usize].small.push(small);
         }
-        IS_LARGE => {
-            let corners = [0, 1, 2].map(|k| [group.u[k][i], group.v[k][i]]);
-            if let Some(triangle) = Triangle::new(corners) {
-                let large = Large { triangle, plane, payload };
-                bins.stats.drawn += usize::from(bins.push_large(large, grid));
-            }
-        }
-        _ => special(source, index, group, i, payload, bins),
+    }
+}
+
+#[inline(never)]
+fn push_large(source: &Source<'_>, index: usize, triangle: [u32; 3], bins: &mut Bins) {
+    let Vertices { seen, nearness } = source.vertices;
+    let points = triangle.map(|i| {
+        let [u, v]: Seen = seen[i as usize];
+        [u, v, nearness[i as usize]]
+    });
+    if let Some(triangle) = Triangle::new(points.map(|[u, v, _]| [u, v])) {
+        let payload = source.payload.of(index, source.mesh.ids);
+        let large = Large { triangle, plane: Plane::through(points), payload };
+        bins.stats.drawn += usize::from(bins.push_large(large, &source.grid));
     }
 }
 
 /// A triangle that needs clipping or has an alpha test.
 #[inline(never)]
-fn special(
-    source: &Source<'_>,
-    index: usize,
-    group: &Group,
-    i: usize,
-    payload: u32,
-    bins: &mut Bins,
-) {
+fn push_special(source: &Source<'_>, index: usize, bins: &mut Bins) {
+    let triangle = source.mesh.triangles[index];
     // The outcodes that stand in v where u is NaN tell most of what is to know.
-    let codes = [0, 1, 2].map(|k| if group.u[k][i].is_nan() { group.v[k][i].to_bits() } else { 0 });
+    let codes = triangle.map(|i| match source.vertices.seen.get(i as usize) {
+        Some([u, v]) if u.is_nan() => v.to_bits(),
+        Some(_) => 0,
+        None => INVALID,
+    });
     if (codes[0] | codes[1] | codes[2]) & INVALID != 0 {
         bins.stats.invalid += 1;
         return;
@@ -428,11 +420,7 @@ fn special(
         bins.stats.clipped += 1;
         return;
     }
-    let Some(vertices) = vertices(&source.projection, &source.mesh, source.mesh.triangles[index])
-    else {
-        bins.stats.invalid += 1;
-        return;
-    };
+    let Some(vertices) = vertices(&source.projection, &source.mesh, triangle) else { return };
     let set_up = match SetUp::of(&source.projection, vertices) {
         Clipped::Whole(set_up) => set_up,
         Clipped::Cut(set_up) => {
@@ -448,6 +436,7 @@ fn special(
             return;
         }
     };
+    let payload = source.payload.of(index, source.mesh.ids);
     let masked = source.mask.is_some_and(|mask| mask.is_masked(index));
     let mut drawn = false;
     for triangle in set_up.triangles() {

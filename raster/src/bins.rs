@@ -6,6 +6,7 @@ use crate::DrawStats;
 use crate::coverage::Triangle;
 use crate::mask::Weights;
 use crate::plane::Plane;
+use crate::simd::{MAX_LANES, Simd};
 
 /// The most rows that a band has.
 pub(crate) const MAX_ROWS: usize = 64;
@@ -36,13 +37,51 @@ impl Grid {
     }
 }
 
-/// One texel that one triangle covers.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fragment {
+/// Texels of one band that tiny triangles cover, one triangle each.
+#[derive(Debug, Default)]
+pub(crate) struct Fragments {
+    count: usize,
     /// Position in the band.
-    pub(crate) texel: u32,
-    pub(crate) nearness: f32,
-    pub(crate) payload: u32,
+    texel: Vec<u32>,
+    nearness: Vec<f32>,
+    payload: Vec<u32>,
+}
+
+impl Fragments {
+    /// Adds the lanes whose bits are set.
+    #[inline(always)]
+    pub(crate) fn push<S: Simd>(
+        &mut self,
+        s: S,
+        bits: u32,
+        texel: S::I,
+        nearness: S::F,
+        payload: S::I,
+    ) {
+        if self.texel.len() < self.count + MAX_LANES {
+            self.grow();
+        }
+        s.compress_u(&mut self.texel[self.count..], bits, texel);
+        s.compress_f(&mut self.nearness[self.count..], bits, nearness);
+        s.compress_u(&mut self.payload[self.count..], bits, payload);
+        self.count += bits.count_ones() as usize;
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        let len = (2 * self.texel.len()).max(4 * MAX_LANES);
+        self.texel.resize(len, 0);
+        self.nearness.resize(len, 0.0);
+        self.payload.resize(len, 0);
+    }
+
+    /// Position in the band, nearness and payload of each.
+    #[inline(always)]
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, f32, u32)> + '_ {
+        let texels = self.texel[..self.count].iter();
+        texels.zip(&self.nearness).zip(&self.payload).map(|((&t, &n), &p)| (t, n, p))
+    }
 }
 
 /// A triangle of less than 16 texels in width and height, set up.
@@ -87,7 +126,7 @@ pub(crate) struct Masked {
 /// What touches one band.
 #[derive(Debug, Default)]
 pub(crate) struct Band {
-    pub(crate) fragments: Vec<Fragment>,
+    pub(crate) fragments: Fragments,
     pub(crate) small: Vec<Small>,
     /// Indices into [`Bins::large`].
     pub(crate) large: Vec<u32>,
@@ -115,7 +154,7 @@ impl Bins {
     pub(crate) fn clear(&mut self, bands: usize) {
         self.bands.resize_with(bands, Band::default);
         for band in &mut self.bands {
-            band.fragments.clear();
+            band.fragments.count = 0;
             band.small.clear();
             band.large.clear();
             band.masked.clear();

@@ -113,8 +113,9 @@ pub(crate) fn outcode(vertex: [f32; 4], max_nearness: f32) -> u32 {
     }
     let (vertex, max_nearness) = (vertex.map(f64::from), f64::from(max_nearness));
     (0..PLANES).fold(0, |code, plane| {
-        // Written so that a NaN, from a view without a near plane, is outside.
-        code | (u32::from(!(distance(plane, vertex, max_nearness) >= 0.0)) << plane)
+        // A NaN, from a view without a near plane, is outside.
+        let inside = distance(plane, vertex, max_nearness) >= 0.0;
+        code | (u32::from(!inside) << plane)
     })
 }
 

@@ -3,14 +3,17 @@
 /// Vertices are snapped to this many parts of a texel (24.8 fixed point).
 pub(crate) const SUBTEXELS: i32 = 256;
 
+/// 1.5 * 2^23.
+pub(crate) const SNAP_SHIFT: f32 = 12_582_912.0;
+
 /// Rounds a texel coordinate in ±16384 to 1/256 texel, ties to even.
 ///
-/// Adding 1.5 * 2^23 makes the unit of the sum's last place 1: the hardware's own rounding does
+/// Adding [`SNAP_SHIFT`] makes the unit of the sum's last place 1: the hardware's own rounding does
 /// the work, with the same bits on every machine. A NaN becomes some number.
 #[inline(always)]
 pub(crate) fn snap(coordinate: f32) -> i32 {
-    const SHIFT: f32 = 12_582_912.0;
-    (coordinate * SUBTEXELS as f32 + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits()) as i32
+    let shifted = coordinate * SUBTEXELS as f32 + SNAP_SHIFT;
+    shifted.to_bits().wrapping_sub(SNAP_SHIFT.to_bits()) as i32
 }
 
 /// First and last texel, along one axis, whose centres lie between the two snapped coordinates;

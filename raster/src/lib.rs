@@ -54,13 +54,15 @@ mod binning;
 mod bins;
 mod clip;
 mod coverage;
-mod kernel;
+
+mod line;
 mod map;
 mod mask;
 mod plain;
 mod plane;
 mod project;
 mod rasterizer;
+mod simd;
 mod skins;
 mod span;
 mod vertices;

@@ -15,7 +15,7 @@ pub(crate) struct Plane {
 }
 
 /// Gradients steeper than this are rounding, not geometry; bounded, they cannot overflow.
-pub(crate) const STEEPEST: f64 = 1e30;
+pub(crate) const STEEPEST: f32 = 1e30;
 
 impl Plane {
     /// The plane through three points (x, y, value).
@@ -34,7 +34,7 @@ impl Plane {
     /// The plane itself, or a flat one at its high value if it is too steep to mean anything.
     pub(crate) fn or_flat(self) -> Plane {
         // Written so that a NaN counts as steep.
-        let sound = self.a.abs() < STEEPEST && self.b.abs() < STEEPEST && self.c.abs() < STEEPEST;
+        let sound = [self.a, self.b, self.c].iter().all(|&x| (x as f32).abs() < STEEPEST);
         if sound { self } else { Plane { a: 0.0, b: 0.0, c: f64::from(self.high), ..self } }
     }
 

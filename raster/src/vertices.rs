@@ -6,8 +6,8 @@ use glam::Vec3;
 use shadowmap_core::{BandSlice, Level, Threads, for_each_band};
 
 use crate::clip::{INVALID, outcode};
-use crate::kernel::kernel;
 use crate::project::Projection;
+use crate::simd::{Simd, kernel};
 
 /// A vertex as triangles need it, u and v together since they are always read together.
 ///
@@ -65,8 +65,10 @@ kernel! {
     ) = project_body
 }
 
+/// Written lane by lane: the compiler makes vectors of it.
 #[inline(always)]
-fn project_body(
+fn project_body<S: Simd>(
+    _: S,
     projection: &Projection,
     positions: &[Vec3],
     seen: &mut [Seen],

@@ -1,0 +1,134 @@
+//! Spans of texels in one row.
+
+use crate::plain::is_nearer;
+use crate::simd::Simd;
+
+/// The part of a triangle in one row: its plane there is `a x + row`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    pub(crate) a: f64,
+    pub(crate) row: f64,
+    pub(crate) low: f32,
+    pub(crate) high: f32,
+    pub(crate) payload: u32,
+}
+
+impl Line {
+    /// Fills the texels from `first` to before `end` of a row, which hold nothing yet.
+    #[inline(always)]
+    pub(crate) fn write<S: Simd>(
+        self,
+        s: S,
+        nearness: &mut [f32],
+        payload: &mut [u32],
+        first: usize,
+        end: usize,
+    ) {
+        if self.low > 0.0 && end - first >= S::LANES {
+            let mine = s.splat_i(self.payload as i32);
+            let mut x = first;
+            loop {
+                s.store_f(&mut nearness[x..], self.window(s, x));
+                s.store_u(&mut payload[x..], mine);
+                if x + S::LANES >= end {
+                    break;
+                }
+                x = next_window::<S>(nearness, x, end);
+            }
+        } else {
+            // It is short, or may be nothing at some texels.
+            nearness[first..end].fill(0.0);
+            payload[first..end].fill(0);
+            self.draw(s, nearness, payload, first, end);
+        }
+    }
+
+    /// Fills the texels from `first` to before `end` of a row where nothing nearer is.
+    #[inline(always)]
+    pub(crate) fn draw<S: Simd>(
+        self,
+        s: S,
+        nearness: &mut [f32],
+        payload: &mut [u32],
+        first: usize,
+        end: usize,
+    ) {
+        let mine = s.splat_i(self.payload as i32);
+        if end - first >= S::LANES {
+            let mut x = first;
+            loop {
+                let near = self.window(s, x);
+                depth_test(s, &mut nearness[x..], &mut payload[x..], near, mine, None);
+                if x + S::LANES >= end {
+                    break;
+                }
+                x = next_window::<S>(nearness, x, end);
+            }
+        } else if nearness.len() >= S::LANES {
+            // One window over the span and its surroundings.
+            let x = first.min(nearness.len() - S::LANES);
+            let (from, to) = ((first - x) as i32, (end - x) as i32);
+            let inside = s.and_m(
+                s.greater_i(s.lanes(), s.splat_i(from - 1)),
+                s.greater_i(s.splat_i(to), s.lanes()),
+            );
+            let near = self.window(s, x);
+            depth_test(s, &mut nearness[x..], &mut payload[x..], near, mine, Some(inside));
+        } else {
+            for x in first..end {
+                let near = (self.a * (x as f64 + 0.5) + self.row) as f32;
+                let near = near.max(self.low).min(self.high);
+                if is_nearer(near, self.payload, nearness[x], payload[x]) {
+                    (nearness[x], payload[x]) = (near, self.payload);
+                }
+            }
+        }
+    }
+
+    /// Nearness at the texels from `x` on.
+    #[inline(always)]
+    fn window<S: Simd>(self, s: S, x: usize) -> S::F {
+        let lanes = s.d_from_f(s.f_from_i(s.lanes()));
+        let px = s.add_d(lanes, s.splat_d(x as f64 + 0.5));
+        let near = s.add_d(s.mul_d(s.splat_d(self.a), px), s.splat_d(self.row));
+        clamp(s, s.f_from_d(near), s.splat_f(self.low), s.splat_f(self.high))
+    }
+}
+
+/// Where the window after the one at `x` starts: aligned in memory, but inside of the span, so that
+/// it may overlap the one before. That does no harm, since drawing the same twice changes nothing.
+#[inline(always)]
+fn next_window<S: Simd>(nearness: &[f32], x: usize, end: usize) -> usize {
+    let misaligned = (nearness.as_ptr() as usize / size_of::<f32>() + x) % S::LANES;
+    (x + S::LANES - misaligned).min(end - S::LANES)
+}
+
+#[inline(always)]
+pub(crate) fn clamp<S: Simd>(s: S, value: S::F, low: S::F, high: S::F) -> S::F {
+    s.min_f(s.max_f(value, low), high)
+}
+
+/// [`is_nearer`] for a window of texels, in those lanes that are `covered` (all if `None`).
+#[inline(always)]
+pub(crate) fn depth_test<S: Simd>(
+    s: S,
+    nearness: &mut [f32],
+    payload: &mut [u32],
+    near: S::F,
+    mine: S::I,
+    covered: Option<S::M>,
+) {
+    let old = s.load_f(nearness);
+    let (mut wins, mut ties) = (s.less_f(old, near), s.equal_f(old, near));
+    if let Some(covered) = covered {
+        (wins, ties) = (s.and_m(wins, covered), s.and_m(ties, covered));
+    }
+    if s.bits(ties) != 0 {
+        let smaller = s.below_u(mine, s.load_u(payload));
+        wins = s.or_m(wins, s.and_m(ties, smaller));
+    }
+    if s.bits(wins) != 0 {
+        s.blend_f(nearness, wins, near);
+        s.blend_u(payload, wins, mine);
+    }
+}

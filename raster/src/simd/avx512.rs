@@ -1,0 +1,199 @@
+//! AVX-512 F, BW, DQ and VL: sixteen lanes.
+#![allow(unsafe_code)]
+
+#[cfg(target_arch = "x86")]
+use core::arch::x86::*;
+#[cfg(target_arch = "x86_64")]
+use core::arch::x86_64::*;
+
+use super::{MAX_LANES, Simd, operations};
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx512(());
+
+impl Avx512 {
+    /// # Safety
+    ///
+    /// The machine must have AVX-512 F, BW, DQ and VL.
+    pub(crate) unsafe fn new() -> Avx512 {
+        Avx512(())
+    }
+}
+
+type F = __m512;
+type I = __m512i;
+type D = [__m512d; 2];
+type M = __mmask16;
+
+impl Simd for Avx512 {
+    const LANES: usize = 16;
+    type F = F;
+    type I = I;
+    type D = D;
+    type M = M;
+
+    operations! {
+        splat_f(a: f32) -> F = _mm512_set1_ps(a);
+        splat_i(a: i32) -> I = _mm512_set1_epi32(a);
+        splat_d(a: f64) -> D = [_mm512_set1_pd(a); 2];
+        lanes() -> I = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+
+        add_f(a: F, b: F) -> F = _mm512_add_ps(a, b);
+        sub_f(a: F, b: F) -> F = _mm512_sub_ps(a, b);
+        mul_f(a: F, b: F) -> F = _mm512_mul_ps(a, b);
+        min_f(a: F, b: F) -> F = _mm512_min_ps(a, b);
+        max_f(a: F, b: F) -> F = _mm512_max_ps(a, b);
+        flip_f(a: F, b: F) -> F = _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0)));
+
+        add_i(a: I, b: I) -> I = _mm512_add_epi32(a, b);
+        sub_i(a: I, b: I) -> I = _mm512_sub_epi32(a, b);
+        mul_i(a: I, b: I) -> I = _mm512_mullo_epi32(a, b);
+        min_i(a: I, b: I) -> I = _mm512_min_epi32(a, b);
+        max_i(a: I, b: I) -> I = _mm512_max_epi32(a, b);
+        or_i(a: I, b: I) -> I = _mm512_or_si512(a, b);
+
+        add_d(a: D, b: D) -> D = [_mm512_add_pd(a[0], b[0]), _mm512_add_pd(a[1], b[1])];
+        sub_d(a: D, b: D) -> D = [_mm512_sub_pd(a[0], b[0]), _mm512_sub_pd(a[1], b[1])];
+        mul_d(a: D, b: D) -> D = [_mm512_mul_pd(a[0], b[0]), _mm512_mul_pd(a[1], b[1])];
+        div_d(a: D, b: D) -> D = [_mm512_div_pd(a[0], b[0]), _mm512_div_pd(a[1], b[1])];
+
+        i_from_bits(a: F) -> I = _mm512_castps_si512(a);
+        f_from_i(a: I) -> F = _mm512_cvtepi32_ps(a);
+        d_from_f(a: F) -> D = [
+            _mm512_cvtps_pd(_mm512_castps512_ps256(a)),
+            _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(a)),
+        ];
+        f_from_d(a: D) -> F = _mm512_insertf32x8::<1>(
+            _mm512_castps256_ps512(_mm512_cvtpd_ps(a[0])),
+            _mm512_cvtpd_ps(a[1]),
+        );
+
+        less_f(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
+        equal_f(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b);
+        greater_i(a: I, b: I) -> M = _mm512_cmpgt_epi32_mask(a, b);
+        below_u(a: I, b: I) -> M = _mm512_cmplt_epu32_mask(a, b);
+        and_m(a: M, b: M) -> M = a & b;
+        or_m(a: M, b: M) -> M = a | b;
+        bits(m: M) -> u32 = u32::from(m);
+        select_f(m: M, a: F, b: F) -> F = _mm512_mask_blend_ps(m, b, a);
+        select_i(m: M, a: I, b: I) -> I = _mm512_mask_blend_epi32(m, b, a);
+
+        load_f(from: &[f32]) -> F = _mm512_loadu_ps(from[..16].as_ptr());
+        load_u(from: &[u32]) -> I = _mm512_loadu_epi32(from[..16].as_ptr().cast());
+        store_f(to: &mut [f32], a: F) = _mm512_storeu_ps(to[..16].as_mut_ptr(), a);
+        store_u(to: &mut [u32], a: I) = _mm512_storeu_epi32(to[..16].as_mut_ptr().cast(), a);
+        store_d(to: &mut [f64; MAX_LANES], a: D) = {
+            _mm512_storeu_pd(to[..8].as_mut_ptr(), a[0]);
+            _mm512_storeu_pd(to[8..].as_mut_ptr(), a[1]);
+        };
+        blend_f(to: &mut [f32], m: M, a: F) = _mm512_mask_storeu_ps(to[..16].as_mut_ptr(), m, a);
+        blend_u(to: &mut [u32], m: M, a: I) =
+            _mm512_mask_storeu_epi32(to[..16].as_mut_ptr().cast(), m, a);
+
+        gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
+            -> [(F, F); 3] = {
+            let [a, b, c] = corner_indices(triangles);
+            [
+                gather_pairs(table, a, missing),
+                gather_pairs(table, b, missing),
+                gather_pairs(table, c, missing),
+            ]
+        };
+        gather(table: &[f32], triangles: &[[u32; 3]]) -> [F; 3] = {
+            let [a, b, c] = corner_indices(triangles);
+            [gather(table, a), gather(table, b), gather(table, c)]
+        };
+        compress_u(to: &mut [u32], bits: u32, a: I) = _mm512_storeu_epi32(
+            to[..16].as_mut_ptr().cast(),
+            _mm512_maskz_compress_epi32(bits as M, a),
+        );
+        compress_f(to: &mut [f32], bits: u32, a: F) = _mm512_storeu_ps(
+            to[..16].as_mut_ptr(),
+            _mm512_maskz_compress_ps(bits as M, a),
+        );
+    }
+
+    #[inline(always)]
+    fn shift_right<const BITS: u32>(self, a: I) -> I {
+        // SAFETY: as for the operations above.
+        unsafe { _mm512_srai_epi32::<BITS>(a) }
+    }
+
+    #[inline(always)]
+    fn shift_left<const BITS: u32>(self, a: I) -> I {
+        // SAFETY: as for the operations above.
+        unsafe { _mm512_slli_epi32::<BITS>(a) }
+    }
+}
+
+/// The vertex indices of sixteen triangles, by corner: every third of 48 numbers.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn corner_indices(triangles: &[[u32; 3]]) -> [I; 3] {
+    let numbers = triangles[..16].as_flattened();
+    // SAFETY: sixteen triangles have three times sixteen numbers.
+    let (a, b, c) = unsafe {
+        (
+            _mm512_loadu_epi32(numbers.as_ptr().cast()),
+            _mm512_loadu_epi32(numbers[16..].as_ptr().cast()),
+            _mm512_loadu_epi32(numbers[32..].as_ptr().cast()),
+        )
+    };
+    // The closure inherits the function's instructions. Numbers 0, 3, .. 30 come from a and b, the
+    // rest from c; and so on.
+    let pick = |from_ab: I, from_c: I| {
+        let ab = _mm512_permutex2var_epi32(a, from_ab, b);
+        _mm512_permutex2var_epi32(ab, from_c, c)
+    };
+    [
+        pick(
+            _mm512_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 0, 0, 0, 0, 0),
+            _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 17, 20, 23, 26, 29),
+        ),
+        pick(
+            _mm512_setr_epi32(1, 4, 7, 10, 13, 16, 19, 22, 25, 28, 31, 0, 0, 0, 0, 0),
+            _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 18, 21, 24, 27, 30),
+        ),
+        pick(
+            _mm512_setr_epi32(2, 5, 8, 11, 14, 17, 20, 23, 26, 29, 0, 0, 0, 0, 0, 0),
+            _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 16, 19, 22, 25, 28, 31),
+        ),
+    ]
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn gather_pairs(table: &[[f32; 2]], index: I, missing: [f32; 2]) -> (F, F) {
+    let inside = _mm512_cmplt_epu32_mask(index, length(table.len()));
+    let missing = _mm512_set1_pd(bytemuck::cast(missing));
+    let (low, high) = (_mm512_castsi512_si256(index), _mm512_extracti32x8_epi32::<1>(index));
+    let pairs = table.as_ptr().cast();
+    // SAFETY: only entries inside of the table are read.
+    let (a, b) = unsafe {
+        (
+            _mm512_mask_i32gather_pd::<8>(missing, inside as __mmask8, low, pairs),
+            _mm512_mask_i32gather_pd::<8>(missing, (inside >> 8) as __mmask8, high, pairs),
+        )
+    };
+    let (a, b) = (_mm512_castpd_ps(a), _mm512_castpd_ps(b));
+    let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    (_mm512_permutex2var_ps(a, even, b), _mm512_permutex2var_ps(a, odd, b))
+}
+
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn gather(table: &[f32], index: I) -> F {
+    let inside = _mm512_cmplt_epu32_mask(index, length(table.len()));
+    let zero = _mm512_setzero_ps();
+    // SAFETY: only entries inside of the table are read.
+    unsafe { _mm512_mask_i32gather_ps::<4>(zero, inside, index, table.as_ptr().cast()) }
+}
+
+/// A table's length as the bound of its indices. Gathers take them as signed: what lies beyond
+/// counts as out of range.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn length(len: usize) -> I {
+    _mm512_set1_epi32(len.min(i32::MAX as usize) as i32)
+}
