@@ -4,8 +4,12 @@ use glam::Vec3;
 use renderer::scene::{Scene, SceneLight};
 use shadowmap_core::{Threads, View, Window};
 
+use super::samples::Samples;
 use super::stage::Stage;
 use super::way::Way;
+
+/// Values over x in metres.
+pub type Points = Vec<(f64, f64)>;
 
 /// A row of pixels that looks straight down on the receivers below one line along x.
 pub struct Line<'a> {
@@ -30,17 +34,25 @@ impl<'a> Line<'a> {
     }
 
     /// The truth, over x in metres.
-    pub fn truth(&self) -> Vec<(f64, f64)> {
+    pub fn truth(&self) -> Points {
         self.over_x(&self.stage.truth(self.light))
     }
 
     /// What `way` finds, over x in metres.
-    pub fn visibility(&mut self, way: &Way) -> Vec<(f64, f64)> {
+    pub fn visibility(&mut self, way: &Way) -> Points {
         let shadow = self.stage.shadow(self.light, way, 1);
         self.over_x(&shadow.values)
     }
 
-    fn over_x(&self, values: &[f32]) -> Vec<(f64, f64)> {
+    /// What each of the light's samples contributes, and the sum of all, over x in metres.
+    pub fn contributions(&self, samples: &Samples) -> (Vec<Points>, Points) {
+        let parts = samples.contributions(self.stage.positions(), self.stage.normals());
+        let sum = |i: usize| parts.iter().map(|part| part[i]).sum();
+        let all: Vec<f32> = (0..self.stage.positions().len()).map(sum).collect();
+        (parts.iter().map(|part| self.over_x(part)).collect(), self.over_x(&all))
+    }
+
+    fn over_x(&self, values: &[f32]) -> Points {
         let points = self.stage.positions().iter().zip(values);
         points.map(|(position, &value)| (f64::from(position.x), f64::from(value))).collect()
     }

@@ -5,6 +5,7 @@ mod gallery;
 mod line;
 mod page;
 mod paper2000;
+mod paper2000_skins;
 mod paper2002;
 mod picture;
 mod plot;
@@ -41,8 +42,10 @@ type Part = (&'static str, fn(&Effort) -> Section);
 /// The parts in reading order.
 const PARTS: &[Part] = &[
     ("2000-1", paper2000::figure_1),
-    ("2000-2", paper2000::figure_2),
-    ("2000-4", paper2000::figure_4),
+    ("2000-2", paper2000_skins::figure_2),
+    ("2000-4", paper2000_skins::figure_4),
+    ("2000-5", paper2000_skins::figure_5),
+    ("2000-7", paper2000_skins::figure_7),
     ("2000-8", paper2000::figure_8),
     ("2000-9", paper2000::figure_9),
     ("2000-10", paper2000::figure_10),

@@ -1,15 +1,18 @@
 //! The maps of a linear light's samples, and what can be seen in them.
 
 use glam::Vec3;
-use linear_light::{RectifiedLight, SampleViews};
+use linear_light::{RectifiedLight, SampleViews, SkinOptions, SkinShadow, VisibilityChannels};
 use raster::{DepthBuffer, Payload, Rasterizer};
 use renderer::scene::Scene;
-use shadowmap_core::{Level, Light, Threads};
+use shadowmap_core::{Bias, Level, Light, Threads};
+
+use super::picture::Picture;
 
 /// A linear light seen from its samples.
 pub struct Samples {
-    pub views: SampleViews,
-    pub maps: Vec<DepthBuffer>,
+    views: SampleViews,
+    maps: Vec<DepthBuffer>,
+    channels: VisibilityChannels,
 }
 
 /// What one row of a map sees, in the plane of the light: lines of (x, y) in metres, apart by NaN.
@@ -24,8 +27,8 @@ const GAP: (f64, f64) = (f64::NAN, f64::NAN);
 
 impl Samples {
     /// The maps, `size` texels wide and high, of `count` samples of the scene's first light, which
-    /// must be linear and need a single frustum.
-    pub fn new(scene: &Scene, count: usize, size: u32) -> Samples {
+    /// must be linear and need a single frustum; and their visibility channels.
+    pub fn new(scene: &Scene, count: usize, size: u32, options: &SkinOptions) -> Samples {
         let Light::Linear { a, b } = scene.lights[0].light else {
             panic!("the first light of such a scene is linear");
         };
@@ -44,7 +47,29 @@ impl Samples {
             Payload::ObjectId,
             &mut targets,
         );
-        Samples { views, maps }
+        let mut channels = VisibilityChannels::new();
+        let seen: Vec<_> = maps.iter().map(DepthBuffer::as_depth_map).collect();
+        channels.draw_rectified(&views, &seen, options);
+        Samples { views, maps, channels }
+    }
+
+    /// What each sample contributes to the visibility of each receiver: a list per sample.
+    pub fn contributions(&self, positions: &[Vec3], normals: &[Vec3]) -> Vec<Vec<f32>> {
+        let maps: Vec<_> = self.maps.iter().map(DepthBuffer::as_depth_map).collect();
+        let shadow = SkinShadow::rectified(&self.views, &maps, &self.channels, Bias::default());
+        let mut all = vec![vec![0.0; positions.len()]; maps.len()];
+        for (i, (&position, &normal)) in positions.iter().zip(normals).enumerate() {
+            shadow.light(position, normal, |sample, share| all[sample][i] += share);
+        }
+        all
+    }
+
+    /// The visibility channel of sample `k` as grey, in that sample's own view.
+    pub fn channel(&self, k: usize) -> Picture {
+        let width = self.maps[k].width() as usize;
+        let mut values = vec![0.0; width * self.maps[k].height() as usize];
+        self.channels.channel(k, &mut values);
+        Picture::gray(width, &values)
     }
 
     /// What the row of map `k` through (0, 0, z) sees, up to `reach` to either side.

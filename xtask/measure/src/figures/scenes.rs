@@ -18,7 +18,7 @@ pub fn built_in(name: &str) -> Scene {
 /// the light's middle is seen but neither of its ends.
 pub fn pair() -> Scene {
     let mut scene = empty();
-    for (x, color) in [(-0.75, ORANGE), (0.75, BLUE)] {
+    for (x, color) in [(-0.81, ORANGE), (0.81, BLUE)] {
         let plate = rectangle(DVec3::new(x, 1.5, 0.0), 0.6, 0.6);
         add(&mut scene, "plate", color, &plate);
     }

@@ -74,6 +74,11 @@ impl<'a> Stage<'a> {
         &self.positions
     }
 
+    /// Geometric normals of all pixels.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.normals
+    }
+
     /// The first light of the scene of the same kind as `like`.
     pub fn light(&self, is: impl Fn(&Light) -> bool) -> &'a SceneLight {
         let found = self.prepared.scene().lights.iter().find(|light| is(&light.light));
