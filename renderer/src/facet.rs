@@ -70,21 +70,29 @@ impl<'a> Facet<'a> {
         self.index
     }
 
+    /// Normal, albedo and emission, if they are the same everywhere on the triangle.
+    #[must_use]
+    pub fn uniform(&self) -> Option<[Vec3; 3]> {
+        self.varying.is_none().then_some([self.normal, self.albedo, self.emission])
+    }
+
     /// Normal (not of unit length), albedo and emission at a point of the triangle.
     #[inline]
     #[must_use]
-    pub fn at(&self, prepared: &Prepared<'_>, position: Vec3) -> (Vec3, Vec3, Vec3) {
-        let Some(varying) = &self.varying else { return (self.normal, self.albedo, self.emission) };
+    pub fn at(&self, prepared: &Prepared<'_>, position: Vec3) -> [Vec3; 3] {
+        let Some(varying) = &self.varying else { return [self.normal, self.albedo, self.emission] };
         let offset = position - varying.origin;
-        let [b1, b2] = varying.weights.map(|weight| weight.dot(offset).clamp(0.0, 1.0));
+        let b1 = varying.weights[0].dot(offset).clamp(0.0, 1.0);
+        let b2 = varying.weights[1].dot(offset).clamp(0.0, 1.0);
         let normal = match varying.smooth {
             Some([start, d1, d2]) => start + d1 * b1 + d2 * b2,
             None => self.normal,
         };
-        let albedo = varying.material.map_or(self.albedo, |material| {
-            prepared.base_color(material, varying.corners, [b1, b2]).truncate()
-        });
-        (normal, albedo, self.emission)
+        let albedo = match varying.material {
+            Some(material) => prepared.base_color(material, varying.corners, [b1, b2]).truncate(),
+            None => self.albedo,
+        };
+        [normal, albedo, self.emission]
     }
 }
 

@@ -82,7 +82,7 @@ impl Frame {
             maps: Vec::new(),
             visibility: Vec::new(),
             sample: Vec::new(),
-            shadow: ShadowStage::new(threads),
+            shadow: ShadowStage::new(level, threads),
             emitters: Vec::new(),
             srgb: Vec::new(),
             linear: Vec::new(),

@@ -6,9 +6,10 @@
 //! all levels give the same bits.
 
 use glam::Vec3;
-use shadowmap_core::{Level, LevelKind, View};
+use shadowmap_core::{Level, LevelKind, View, Warp};
 
 use crate::emitters::Emitter;
+use crate::tone::STEPS;
 
 /// Pixels per block.
 pub const BLOCK: usize = 64;
@@ -25,6 +26,10 @@ pub struct Block {
     pub normal: [Lane; 3],
     /// Linear RGB that arrives.
     pub irradiance: [Lane; 3],
+    /// Linear RGB: the part of it that the surface sends on.
+    pub albedo: [Lane; 3],
+    /// Linear RGB that is there anyway.
+    pub emission: [Lane; 3],
 }
 
 impl Block {
@@ -32,7 +37,7 @@ impl Block {
     #[must_use]
     pub fn new() -> Block {
         let zero = [[0.0; BLOCK]; 3];
-        Block { position: zero, normal: zero, irradiance: zero }
+        Block { position: zero, normal: zero, irradiance: zero, albedo: zero, emission: zero }
     }
 }
 
@@ -94,6 +99,30 @@ fn positions_body(camera: &View, x: u32, y: u32, nearness: &Lane, position: &mut
 }
 
 levels!(
+    /// Texel coordinates u, v and nearness in a light's view of the pixels (x, y), (x + 1, y), ... of
+    /// a camera with the given nearness; u is NaN behind the light.
+    warped, warped_body, (warp: &Warp, x: u32, y: u32, nearness: &Lane, seen: &mut [Lane; 3])
+);
+
+#[inline(always)]
+fn warped_body(warp: &Warp, x: u32, y: u32, nearness: &Lane, seen: &mut [Lane; 3]) {
+    let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
+    let rows = warp.rows();
+    let [out_u, out_v, out_n] = seen;
+    for i in 0..BLOCK {
+        let (x, n) = (x + i as f32, nearness[i]);
+        let at = |k: usize| {
+            let r = &rows[k];
+            ((r[0] * x + r[1] * y) + r[2] * n) + r[3]
+        };
+        let q = at(3);
+        out_u[i] = if q > 0.0 { at(0) / q } else { f32::NAN };
+        out_v[i] = at(1) / q;
+        out_n[i] = at(2) / q;
+    }
+}
+
+levels!(
     /// Makes the normals unit vectors and sets what arrives to the light of the surroundings:
     /// `sky` from above, `bounce` from below. Normals of no length stay as they are.
     surround, surround_body, (block: &mut Block, sky: Vec3, bounce: Vec3)
@@ -142,6 +171,37 @@ fn add_light_body(block: &mut Block, emitter: &Emitter, visibility: &Lane) {
         r[i] += color.x * arriving;
         g[i] += color.y * arriving;
         b[i] += color.z * arriving;
+    }
+}
+
+levels!(
+    /// What the surfaces send on, linear RGB.
+    reflected, reflected_body, (block: &Block, color: &mut [Lane; 3])
+);
+
+#[inline(always)]
+fn reflected_body(block: &Block, color: &mut [Lane; 3]) {
+    for (c, color) in color.iter_mut().enumerate() {
+        for (i, color) in color.iter_mut().enumerate() {
+            *color = block.albedo[c][i] * block.irradiance[c][i] + block.emission[c][i];
+        }
+    }
+}
+
+levels!(
+    /// Linear values as numbers of steps of a [`crate::tone::ToneTable`], a NaN as 0.
+    steps, steps_body, (linear: &Lane, steps: &mut [u16; BLOCK])
+);
+
+#[inline(always)]
+fn steps_body(linear: &Lane, steps: &mut [u16; BLOCK]) {
+    for (steps, &linear) in steps.iter_mut().zip(linear) {
+        let scaled = linear * STEPS;
+        let scaled = if scaled > 0.0 { scaled } else { 0.0 };
+        let scaled = if scaled < 65535.0 { scaled } else { 65535.0 };
+        // Among floats of this size there is one per whole number, and its low bits are that
+        // number: the sum rounds to nearest, and needs no conversion.
+        *steps = (scaled + 8_388_608.0).to_bits() as u16;
     }
 }
 

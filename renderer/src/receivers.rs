@@ -3,7 +3,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::Vec3;
-use shadowmap_core::{BandSlice, Camera, LightPoint, Surfaces, Threads, View, Warp, for_each_band};
+use shadowmap_core::{
+    BandSlice, Camera, Level, LightPoint, Surfaces, Threads, View, Warp, for_each_band,
+};
+
+use crate::light_block::{BLOCK, warped};
 
 /// What happened in one call of [`visibility`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,6 +31,7 @@ pub struct ReceiverCounters {
 pub fn visibility(
     camera: &Camera<'_>,
     light: &View,
+    level: Level,
     threads: Threads,
     out: &mut [f32],
     look: impl Fn(&LightPoint, u32) -> f32 + Sync,
@@ -39,41 +44,46 @@ pub fn visibility(
     let flat = matches!(camera.surfaces(), Surfaces::Table(_));
     let [receivers, outside] = [AtomicU64::new(0), AtomicU64::new(0)];
     for_each_band(threads, BandSlice { data: out, len: width.max(1) }, &|y, out| {
-        let row = y * width..(y + 1) * width;
-        let nearness = &camera.map().nearness()[row.clone()];
-        let ids = camera.map().ids().get(row).unwrap_or_default();
         let mut counters = ReceiverCounters::default();
         // The surface of the run, and its slope unless it faces away.
         let mut run = (None, None);
-        for (x, out) in out.data.iter_mut().enumerate() {
-            *out = 0.0;
-            let n = nearness[x];
-            if n.is_nan() || n <= 0.0 {
-                run.0 = None;
+        let (mut nearness, mut seen) = ([0.0; BLOCK], [[0.0; BLOCK]; 3]);
+        for (block, out) in out.data.chunks_mut(BLOCK).enumerate() {
+            let first = y * width + block * BLOCK;
+            out.fill(0.0);
+            nearness[..out.len()]
+                .copy_from_slice(&camera.map().nearness()[first..first + out.len()]);
+            nearness[out.len()..].fill(0.0);
+            if nearness.iter().all(|&n| n == 0.0) {
                 continue;
             }
-            counters.receivers += 1;
-            let id = ids.get(x).copied();
-            if !flat || id.is_none() || run.0 != id {
-                let plane = camera.plane(x as u32, y as u32, n).1;
-                let sides = plane.side_of(camera.view().eye()) * plane.side_of(light.eye());
-                run = (id, (sides >= 0.0).then(|| plane.slope_in(light)));
-            }
-            let Some(slope) = run.1 else { continue };
-            let seen = warp.at(x as f32 + 0.5, y as f32 + 0.5, n);
-            let inside = seen.filter(|seen| {
-                seen.x >= 0.0 && seen.y >= 0.0 && seen.x < map_width && seen.y < map_height
-            });
-            *out = match inside {
-                Some(seen) => {
-                    let point = LightPoint { u: seen.x, v: seen.y, nearness: seen.z, slope };
-                    look(&point, (y * width + x) as u32)
+            let x = (block * BLOCK) as u32;
+            warped(level, &warp, x, y as u32, &nearness, &mut seen);
+            for (i, out) in out.iter_mut().enumerate() {
+                let n = nearness[i];
+                if n.is_nan() || n <= 0.0 {
+                    run.0 = None;
+                    continue;
                 }
-                None => {
+                counters.receivers += 1;
+                let id = camera.map().ids().get(first + i).copied();
+                if !flat || id.is_none() || run.0 != id {
+                    let plane = camera.plane(x + i as u32, y as u32, n).1;
+                    let sides = plane.side_of(camera.view().eye()) * plane.side_of(light.eye());
+                    run = (id, (sides >= 0.0).then(|| plane.slope_in(light)));
+                }
+                let Some(slope) = run.1 else { continue };
+                let (u, v) = (seen[0][i], seen[1][i]);
+                // Written so that NaN falls outside.
+                let inside = u >= 0.0 && v >= 0.0 && u < map_width && v < map_height;
+                *out = if inside {
+                    let point = LightPoint { u, v, nearness: seen[2][i], slope };
+                    look(&point, (first + i) as u32)
+                } else {
                     counters.outside += 1;
                     1.0
-                }
-            };
+                };
+            }
         }
         receivers.fetch_add(counters.receivers, Ordering::Relaxed);
         outside.fetch_add(counters.outside, Ordering::Relaxed);

@@ -1,11 +1,13 @@
 //! Colour of every pixel: surfaces under the lights, as far as they see them, and a sky.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use shadowmap_core::{BandSlice, DepthMap, Level, Threads, View, for_each_band};
 
 use crate::emitters::Emitter;
 use crate::facet::Facet;
-use crate::light_block::{BLOCK, Block, Lane, add_light, positions, surround};
+use crate::light_block::{BLOCK, Block, Lane, add_light, positions, reflected, steps, surround};
 use crate::prepared::Prepared;
 use crate::tone::ToneTable;
 
@@ -66,7 +68,11 @@ pub fn shade(shading: &Shading<'_>, level: Level, threads: Threads, pixels: Pixe
             assert_eq!(data.len(), len * height, "three values per pixel");
             let table = ToneTable::get();
             rows(shading, level, threads, BandSlice { data, len }, &|linear, out| {
-                interleave(linear, out, |value| table.byte(value));
+                let mut indices = [[0; BLOCK]; 3];
+                for (linear, indices) in linear.iter().zip(&mut indices) {
+                    steps(level, linear, indices);
+                }
+                interleave(&indices, out, |steps| table.byte(steps));
             });
         }
         Pixels::Linear(data) => {
@@ -78,10 +84,11 @@ pub fn shade(shading: &Shading<'_>, level: Level, threads: Threads, pixels: Pixe
     }
 }
 
-fn interleave<T>([r, g, b]: [&[f32]; 3], out: &mut [T], convert: impl Fn(f32) -> T) {
-    for (((out, &r), &g), &b) in out.chunks_exact_mut(3).zip(r).zip(g).zip(b) {
-        let [r, g, b] = [r, g, b].map(&convert);
-        (out[0], out[1], out[2]) = (r, g, b);
+/// Writes red, green and blue of each pixel beside each other.
+fn interleave<S: Copy, T>([r, g, b]: &[[S; BLOCK]; 3], out: &mut [T], convert: impl Fn(S) -> T) {
+    let (pixels, _) = out.as_chunks_mut::<3>();
+    for (((out, &r), &g), &b) in pixels.iter_mut().zip(r).zip(g).zip(b) {
+        *out = [convert(r), convert(g), convert(b)];
     }
 }
 
@@ -91,7 +98,7 @@ fn rows<T: Send>(
     level: Level,
     threads: Threads,
     picture: BandSlice<'_, T>,
-    write: &(impl Fn([&[f32]; 3], &mut [T]) + Sync),
+    write: &(impl Fn(&[Lane; 3], &mut [T]) + Sync),
 ) {
     let aa = shading.aa as usize;
     let step = BLOCK / aa;
@@ -101,7 +108,7 @@ fn rows<T: Send>(
             let (x, count) = (index * step * aa, out.len() / 3);
             if aa == 1 {
                 painter.paint(x, y, count);
-                write(painter.color.each_ref().map(|lane| &lane[..count]), out);
+                write(&painter.color, out);
                 continue;
             }
             let mut sum = [[0.0_f32; BLOCK]; 3];
@@ -114,8 +121,8 @@ fn rows<T: Send>(
                 }
             }
             let weight = 1.0 / (aa * aa) as f32;
-            let mean = sum.map(|lane| lane.map(|value| value * weight));
-            write(mean.each_ref().map(|lane| &lane[..count]), out);
+            sum.iter_mut().flatten().for_each(|value| *value *= weight);
+            write(&sum, out);
         }
     });
 }
@@ -126,8 +133,6 @@ struct Painter<'a> {
     level: Level,
     nearness: Lane,
     visibility: Lane,
-    albedo: [Lane; 3],
-    emission: [Lane; 3],
     block: Block,
     /// Linear RGB, the result.
     color: [Lane; 3],
@@ -136,16 +141,13 @@ struct Painter<'a> {
 
 impl<'a> Painter<'a> {
     fn new(shading: &'a Shading<'a>, level: Level) -> Painter<'a> {
-        let zero = [[0.0; BLOCK]; 3];
         Painter {
             shading,
             level,
             nearness: [0.0; BLOCK],
             visibility: [0.0; BLOCK],
-            albedo: zero,
-            emission: zero,
             block: Block::new(),
-            color: zero,
+            color: [[0.0; BLOCK]; 3],
             facet: None,
         }
     }
@@ -177,35 +179,59 @@ impl<'a> Painter<'a> {
                 add_light(self.level, &mut self.block, emitter, &self.visibility);
             }
         }
-        for c in 0..3 {
-            let (albedo, emission) = (&self.albedo[c], &self.emission[c]);
-            let irradiance = &self.block.irradiance[c];
-            for (i, color) in self.color[c].iter_mut().enumerate() {
-                *color = albedo[i] * irradiance[i] + emission[i];
+        reflected(self.level, &self.block, &mut self.color);
+    }
+
+    /// Looks up the surfaces that the pixels with these triangle indices + 1 see, run by run of
+    /// pixels on one triangle.
+    fn gather(&mut self, triangles: &[u32], backdrop: Vec3) {
+        // The last facet of one block is often the first of the next.
+        let mut last = self.facet.take();
+        let mut start = 0;
+        while start < triangles.len() {
+            let index = triangles[start];
+            let others = triangles[start..].iter().position(|&other| other != index);
+            let run = start..others.map_or(triangles.len(), |length| start + length);
+            start = run.end;
+            if index == 0 {
+                self.fill(run, [Vec3::Y, Vec3::ZERO, backdrop]);
+                continue;
             }
+            let prepared = self.shading.prepared;
+            if last.as_ref().is_none_or(|facet| facet.index() != index) {
+                last = Some(Facet::new(prepared, index, self.shading.camera.eye()));
+            }
+            let Some(facet) = &last else { continue };
+            match facet.uniform() {
+                Some(surface) => self.fill(run, surface),
+                None => {
+                    for i in run {
+                        let [x, y, z] = &self.block.position;
+                        let surface = facet.at(prepared, Vec3::new(x[i], y[i], z[i]));
+                        self.set(i, surface);
+                    }
+                }
+            }
+        }
+        self.facet = last;
+    }
+
+    /// Sets normal, albedo and emission of a pixel.
+    #[inline(always)]
+    fn set(&mut self, i: usize, [normal, albedo, emission]: [Vec3; 3]) {
+        let Block { normal: normals, albedo: albedos, emission: emissions, .. } = &mut self.block;
+        for (lanes, value) in [(normals, normal), (albedos, albedo), (emissions, emission)] {
+            (lanes[0][i], lanes[1][i], lanes[2][i]) = (value.x, value.y, value.z);
         }
     }
 
-    /// Looks up the surfaces that the pixels with these triangle indices + 1 see.
-    fn gather(&mut self, triangles: &[u32], backdrop: Vec3) {
-        for (i, &index) in triangles.iter().enumerate() {
-            let surface = if index == 0 {
-                (Vec3::Y, Vec3::ZERO, backdrop)
-            } else {
-                if self.facet.as_ref().is_none_or(|facet| facet.index() != index) {
-                    let eye = self.shading.camera.eye();
-                    self.facet = Some(Facet::new(self.shading.prepared, index, eye));
-                }
-                let Some(facet) = &self.facet else { continue };
-                let [x, y, z] = self.block.position.each_ref().map(|lane| lane[i]);
-                facet.at(self.shading.prepared, Vec3::new(x, y, z))
-            };
-            let (normal, albedo, emission) = surface;
-            for c in 0..3 {
-                self.block.normal[c][i] = normal[c];
-                self.albedo[c][i] = albedo[c];
-                self.emission[c][i] = emission[c];
-            }
+    /// Sets normal, albedo and emission of some pixels.
+    #[inline(always)]
+    fn fill(&mut self, run: Range<usize>, [normal, albedo, emission]: [Vec3; 3]) {
+        for c in 0..3 {
+            self.block.normal[c][run.clone()].fill(normal[c]);
+            self.block.albedo[c][run.clone()].fill(albedo[c]);
+            self.block.emission[c][run.clone()].fill(emission[c]);
         }
     }
 }

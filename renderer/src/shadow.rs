@@ -3,7 +3,7 @@
 use glam::Vec3;
 use raster::DepthBuffer;
 use reference::{Pcf, Pcss, Samples, Tracer};
-use shadowmap_core::{Bias, Camera, DepthMap, HardShadow, Threads, View, hard_shadow};
+use shadowmap_core::{Bias, Camera, DepthMap, HardShadow, Level, Threads, View, hard_shadow};
 use single_sample::{LightMap, Texels, paper};
 
 use crate::faces;
@@ -18,6 +18,7 @@ const SIZES_AGREE: &str = "maps are drawn in the size of their view";
 /// The visibility stage, and memory that is kept between lights and frames.
 #[derive(Debug)]
 pub(crate) struct ShadowStage {
+    level: Level,
     threads: Threads,
     /// The camera's nearness where a receiver belongs to one of several faces.
     of_face: Vec<f32>,
@@ -28,8 +29,9 @@ pub(crate) struct ShadowStage {
 }
 
 impl ShadowStage {
-    pub fn new(threads: Threads) -> ShadowStage {
+    pub fn new(level: Level, threads: Threads) -> ShadowStage {
         ShadowStage {
+            level,
             threads,
             of_face: Vec::new(),
             part: Vec::new(),
@@ -48,9 +50,9 @@ impl ShadowStage {
         counters: &mut Counters,
         out: &mut [f32],
     ) {
-        let threads = self.threads;
+        let (level, threads) = (self.level, self.threads);
         if let ([view], [map]) = (views, maps) {
-            return by_map(camera, light, view, &map.as_depth_map(), threads, counters, out);
+            return by_map(camera, light, view, &map.as_depth_map(), level, threads, counters, out);
         }
         out.fill(0.0);
         self.of_face.resize(out.len(), 0.0);
@@ -62,7 +64,7 @@ impl ShadowStage {
             let masked = masked.expect(SIZES_AGREE);
             let of_face = Camera::new(camera.view(), masked, camera.surfaces()).expect(SIZES_AGREE);
             let map = map.as_depth_map();
-            by_map(&of_face, light, view, &map, threads, counters, &mut self.part);
+            by_map(&of_face, light, view, &map, level, threads, counters, &mut self.part);
             // Each receiver belongs to one face; the other faces say 0.
             for (out, part) in out.iter_mut().zip(&self.part) {
                 *out += *part;
@@ -97,6 +99,7 @@ fn by_map(
     light: &LightJob,
     view: &View,
     map: &DepthMap<'_>,
+    level: Level,
     threads: Threads,
     counters: &mut Counters,
     out: &mut [f32],
@@ -104,20 +107,22 @@ fn by_map(
     let bias = Bias::default();
     let found = match light.method {
         Method::Hard | Method::PointSamples => {
-            receivers::visibility(camera, view, threads, out, |point, _| {
+            receivers::visibility(camera, view, level, threads, out, |point, _| {
                 f32::from(u8::from(hard_shadow(map, point, bias) != HardShadow::Blocked))
             })
         }
         Method::Pcf => {
             let pcf = Pcf::default();
-            receivers::visibility(camera, view, threads, out, |point, pixel| {
+            receivers::visibility(camera, view, level, threads, out, |point, pixel| {
                 pcf.visibility(map, point, bias, pixel)
             })
         }
         Method::Pcss => match Pcss::new(&light.light.light, view, map) {
-            Some(pcss) => receivers::visibility(camera, view, threads, out, |point, pixel| {
-                pcss.visibility(view, map, point, bias, pixel)
-            }),
+            Some(pcss) => {
+                receivers::visibility(camera, view, level, threads, out, |point, pixel| {
+                    pcss.visibility(view, map, point, bias, pixel)
+                })
+            }
             None => return,
         },
         Method::SearchPaper => {
