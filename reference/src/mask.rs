@@ -10,58 +10,57 @@ const SLACK: f32 = 4e-6;
 /// The half-plane `c + x * gx + y * gy >= 0` of the light's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HalfPlane {
+    pub c: f64,
+    pub gx: f64,
+    pub gy: f64,
+}
+
+impl HalfPlane {
+    /// The least and the greatest value over a box, with slack.
+    fn range(&self, of: &Bounds) -> [f64; 2] {
+        let [x, y] = of.center.map(f64::from);
+        let [half_x, half_y] = of.half.map(f64::from);
+        let (gx, gy) = (self.gx.abs(), self.gy.abs());
+        let value = (self.c + self.gx * x) + self.gy * y;
+        let reach = (gx * half_x + gy * half_y) + f64::from(SLACK) * (self.c.abs() + gx + gy);
+        [value - reach, value + reach]
+    }
+}
+
+/// A half-plane in single precision, its largest coefficient 1 so that no scene is too large or too
+/// small.
+#[derive(Clone, Copy, Debug, Default)]
+struct Scaled {
     c: f32,
     gx: f32,
     gy: f32,
 }
 
-impl HalfPlane {
-    /// Scaled to coefficients of at most 1, so that no scene is too large or too small. `None` if
-    /// they are not finite.
-    pub fn new(c: f64, gx: f64, gy: f64) -> Option<HalfPlane> {
-        let largest = c.abs().max(gx.abs()).max(gy.abs());
-        let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
-        let plane =
-            HalfPlane { c: (c * scale) as f32, gx: (gx * scale) as f32, gy: (gy * scale) as f32 };
-        let finite = plane.c.is_finite() && plane.gx.is_finite() && plane.gy.is_finite();
-        finite.then_some(plane)
-    }
-
-    fn at(&self, x: f32, y: f32) -> f32 {
-        (self.c + self.gx * x) + self.gy * y
-    }
-
-    /// Bounds of the value over a box.
-    fn range(&self, of: &Bounds) -> [f32; 2] {
-        let [x, y] = of.center;
-        let reach = self.gx.abs() * of.half[0] + self.gy.abs() * of.half[1] + SLACK;
-        [self.at(x, y) - reach, self.at(x, y) + reach]
-    }
-}
-
 /// An intersection of at most four half-planes: what one triangle covers of the light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Region {
-    planes: [HalfPlane; 4],
+    planes: [Scaled; 4],
     count: usize,
 }
 
 impl Region {
-    /// The region within the bounds of a light; `None` if that is surely empty.
-    pub fn new(planes: &[Option<HalfPlane>], bounds: &Bounds) -> Option<Region> {
-        let nothing = HalfPlane { c: 0.0, gx: 0.0, gy: 0.0 };
-        let mut region = Region { planes: [nothing; 4], count: 0 };
-        for &plane in planes {
-            let plane = plane?;
+    /// The region within the bounds of a light; `None` if that is surely empty, or not finite.
+    pub fn new(planes: &[HalfPlane], bounds: &Bounds) -> Option<Region> {
+        let mut region = Region { planes: [Scaled::default(); 4], count: 0 };
+        for plane in planes {
             let [low, high] = plane.range(bounds);
-            if high < 0.0 {
+            // A half-plane that holds everywhere decides nothing.
+            if low >= 0.0 {
+                continue;
+            }
+            let largest = plane.c.abs().max(plane.gx.abs()).max(plane.gy.abs());
+            if high < 0.0 || !high.is_finite() || largest == 0.0 {
                 return None;
             }
-            // A half-plane that holds everywhere decides nothing.
-            if low < 0.0 {
-                region.planes[region.count] = plane;
-                region.count += 1;
-            }
+            let scaled = |k: f64| (k / largest) as f32;
+            region.planes[region.count] =
+                Scaled { c: scaled(plane.c), gx: scaled(plane.gx), gy: scaled(plane.gy) };
+            region.count += 1;
         }
         Some(region)
     }

@@ -183,7 +183,8 @@ impl<'a> Tracer<'a> {
     ) -> usize {
         let rays = LightRays::new(samples.light(), eye);
         let half_plane = |n: DVec3, offset: f64| {
-            HalfPlane::new(n.dot(rays.origin) - offset, n.dot(rays.u), n.dot(rays.v))
+            let c = n.dot(rays.origin) - offset;
+            HalfPlane { c, gx: n.dot(rays.u), gy: n.dot(rays.v) }
         };
         // Whatever is not above the horizon is blocked.
         if let Some(below) = Region::new(&[half_plane(-normal, 0.0)], samples.bounds())
