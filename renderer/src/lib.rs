@@ -3,7 +3,9 @@
 
 pub mod builtin;
 pub mod camera;
+#[cfg(feature = "program")]
 pub mod cli;
+#[cfg(feature = "program")]
 pub mod compare;
 pub mod emitters;
 mod error;
@@ -14,14 +16,19 @@ mod hull;
 mod light_block;
 pub mod light_views;
 pub mod lighting;
+#[cfg(feature = "program")]
 pub mod load;
 pub mod method;
+#[cfg(feature = "program")]
 pub mod pass;
+#[cfg(feature = "program")]
 pub mod picture;
 pub mod prepared;
 pub mod receivers;
+#[cfg(feature = "program")]
 pub mod render;
 pub mod scene;
+#[cfg(feature = "program")]
 pub mod settings;
 pub mod shade;
 mod shadow;

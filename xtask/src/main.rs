@@ -8,6 +8,7 @@ mod ci;
 mod cross;
 mod run;
 mod targets;
+mod verify;
 
 const HELP: &str = "\
 cargo xtask <command> [options]
@@ -18,6 +19,7 @@ cargo xtask <command> [options]
   figures [options]          redraw the papers' figures as one report in target/figures
   ci [--full]                everything that the hosted checks run
   cross [--full]             build and test for other targets
+  verify [--here]            the same bits at every SIMD level, thread count and target
 
 Every command explains itself with --help.";
 
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         "bench" | "figures" => package("measure", &command, &rest),
         "ci" => ci::run(&rest),
         "cross" => cross::run(&rest),
+        "verify" => verify::run(&rest),
         "" | "help" | "--help" | "-h" => {
             println!("{HELP}");
             ExitCode::SUCCESS

@@ -1,0 +1,173 @@
+//! `cargo xtask verify`: the same hashes at every SIMD level, thread count and target, as one table.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::process::{Command, ExitCode};
+
+use crate::run::{cargo_command, in_ci, root};
+use crate::targets::{AARCH64, I686, THUMB, Target, Toolchain, WASMS};
+
+const HELP: &str = "\
+cargo xtask verify [--here] [--bless]
+
+Draws the built-in scenes by every method and compares hashes of maps, visibility and pictures: at
+every SIMD level of this machine with one thread and with all, on AArch64 (NEON), 32-bit x86 and
+WebAssembly (without and with SIMD), and of a tiny render on an emulated microcontroller.
+
+  --here     this machine only
+  --bless    write this machine's hashes to tests/verify/golden.tsv";
+
+/// Item to hash, of one column of the table.
+type Column = BTreeMap<String, String>;
+
+/// Runs the command.
+pub fn run(arguments: &[String]) -> ExitCode {
+    let (mut here, mut bless) = (false, false);
+    for argument in arguments {
+        match argument.as_str() {
+            "--here" => here = true,
+            "--bless" => bless = true,
+            _ => {
+                println!("{HELP}");
+                return ExitCode::from(2);
+            }
+        }
+    }
+    let mut columns = Vec::new();
+    let mut skipped = Vec::new();
+    let native = output(cargo_command("run --quiet --release -p verify"));
+    match native {
+        Ok(text) => columns.extend(columns_of("", &text)),
+        Err(error) => {
+            println!("verify: {error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    if !here {
+        for (name, table) in [
+            ("aarch64", program(&AARCH64)),
+            ("i686", program(&I686)),
+            ("wasm32", module(&WASMS[0])),
+            ("wasm32", module(&WASMS[1])),
+            ("thumbv7em", microcontroller()),
+        ] {
+            match table {
+                Ok(text) => columns.extend(columns_of(name, &text)),
+                Err(why) => {
+                    println!("{name}: SKIPPED: {why}");
+                    skipped.push(name);
+                }
+            }
+        }
+    }
+    let differences = print(&columns);
+    if bless {
+        let lines = columns[0].1.iter().map(|(item, hash)| format!("{item}\t{hash}\n"));
+        let path = root().join("tests/verify/golden.tsv");
+        if let Err(error) = fs::write(&path, lines.collect::<String>()) {
+            println!("{}: {error}", path.display());
+            return ExitCode::FAILURE;
+        }
+    }
+    if differences == 0 && (skipped.is_empty() || !in_ci()) {
+        println!("verify: every cell is equal");
+        ExitCode::SUCCESS
+    } else {
+        println!("verify: FAILED: {differences} cells differ, skipped: {}", skipped.join(", "));
+        ExitCode::FAILURE
+    }
+}
+
+fn output(mut command: Command) -> Result<String, String> {
+    let output = command.current_dir(root()).output().map_err(|error| error.to_string())?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let error = String::from_utf8_lossy(&output.stderr);
+    let tail: Vec<&str> = error.lines().rev().take(8).collect();
+    Err(tail.into_iter().rev().collect::<Vec<_>>().join("\n"))
+}
+
+/// The table of a target that runs programs.
+fn program(target: &Target) -> Result<String, String> {
+    println!("==> {}", target.name);
+    let toolchain = Toolchain::with_tools(target)?;
+    output(toolchain.cargo(target, "run --quiet --release -p verify"))
+}
+
+/// The table of a WebAssembly module.
+fn module(target: &Target) -> Result<String, String> {
+    println!("==> {}", target.name);
+    let toolchain = Toolchain::with_tools(target)?;
+    output(toolchain.cargo(target, "build --quiet --release -p verify --lib"))?;
+    let folder = toolchain.target_folder(target).join(target.triple).join("release");
+    let mut node = Command::new("node");
+    node.arg("tests/verify/run.mjs").arg(folder.join("verify.wasm"));
+    output(node)
+}
+
+/// The one hash of the microcontroller, and what it took.
+fn microcontroller() -> Result<String, String> {
+    println!("==> {}", THUMB.name);
+    let toolchain = Toolchain::with_tools(&THUMB)?;
+    let manifest = "--manifest-path tests/bare-metal/Cargo.toml";
+    let text = output(toolchain.cargo(&THUMB, &format!("run --quiet --release {manifest}")))?;
+    let hash = text.lines().find_map(|line| line.strip_prefix("mask ")).ok_or("no hash")?;
+    for line in text.lines().filter(|line| !line.starts_with("mask ")) {
+        println!("    {line}");
+    }
+    let program = toolchain.target_folder(&THUMB).join(THUMB.triple).join("release/bare-metal");
+    if let Ok(sizes) = output({
+        let mut size = Command::new("llvm-size-22");
+        size.arg(program);
+        size
+    }) && let Some(line) = sizes.lines().nth(1)
+    {
+        let [text, data, bss] = [0, 1, 2].map(|i| line.split_whitespace().nth(i).unwrap_or("?"));
+        println!("    flash: {text} + {data} bytes, static RAM: {data} + {bss} bytes");
+    }
+    Ok(format!("scalar 1\ttiny mask\t{}\n", hash.trim()))
+}
+
+/// Columns by name from lines `column<TAB>item<TAB>hash`.
+fn columns_of(target: &str, text: &str) -> Vec<(String, Column)> {
+    let mut columns: Vec<(String, Column)> = Vec::new();
+    for line in text.lines() {
+        let mut cells = line.split('\t');
+        if let (Some(column), Some(item), Some(hash)) = (cells.next(), cells.next(), cells.next()) {
+            let name = format!("{target} {column}").trim().to_owned();
+            if columns.last().is_none_or(|(last, _)| *last != name) {
+                columns.push((name, Column::new()));
+            }
+            let (_, last) = columns.last_mut().expect("just pushed");
+            last.insert(item.to_owned(), hash.to_owned());
+        }
+    }
+    columns
+}
+
+/// Prints the table, `=` for what equals the first column; returns how many cells do not.
+fn print(columns: &[(String, Column)]) -> usize {
+    for (index, (name, column)) in columns.iter().enumerate() {
+        println!("column {:>2}: {name} ({} items)", index + 1, column.len());
+    }
+    let numbers = (2..=columns.len()).map(|number| format!("{number:>3}")).collect::<String>();
+    println!("\n{:<44} {:<16}{numbers}", "", "1");
+    let mut differences = 0;
+    for (item, hash) in &columns[0].1 {
+        let mut row = String::new();
+        for (_, column) in &columns[1..] {
+            row += match column.get(item) {
+                Some(other) if other == hash => "  =",
+                Some(_) => {
+                    differences += 1;
+                    "  X"
+                }
+                None => "  .",
+            };
+        }
+        println!("{item:<44} {hash}{row}");
+    }
+    println!();
+    differences
+}
