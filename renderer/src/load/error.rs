@@ -1,6 +1,6 @@
 //! What can be wrong with a scene file.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::path::PathBuf;
 
 /// Why a scene file was not loaded. Shown as one line that names the file and the fault.
@@ -43,7 +43,11 @@ impl fmt::Display for Fault {
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.path.as_os_str().is_empty() {
-            write!(f, "{}: ", self.path.display())?;
+            // A path is shown as it is, except that it cannot break the line.
+            for c in self.path.to_string_lossy().chars() {
+                if c.is_control() { write!(f, "{}", c.escape_debug())? } else { f.write_char(c)? }
+            }
+            f.write_str(": ")?;
         }
         self.fault.fmt(f)
     }
@@ -66,6 +70,12 @@ pub(super) fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_stay_on_one_line() {
+        let error = LoadError { path: "a\nb'.obj".into(), fault: malformed("broken") };
+        assert_eq!(error.to_string(), "a\\nb'.obj: broken");
+    }
 
     #[test]
     fn names_stay_on_one_line() {

@@ -4,7 +4,7 @@ use glam::Vec3;
 use renderer::load::{Format, Limits, load_bytes};
 use serde_json::{Value, json};
 
-use crate::generate::{MTL, OBJ, everything};
+use crate::generate::{OBJ, everything};
 
 const LIMITS: Limits = Limits { max_triangles: 100_000, max_memory: 64 << 20 };
 
@@ -96,10 +96,6 @@ fn random_bytes_of_obj() {
     let mut random = Random(2);
     for _ in 0..20_000 {
         survive(Format::Obj, &mutate(OBJ.as_bytes(), &mut random));
-    }
-    for _ in 0..1000 {
-        let folder = "newmtl x\n".to_owned() + MTL;
-        survive(Format::Obj, &mutate(folder.as_bytes(), &mut random));
     }
 }
 

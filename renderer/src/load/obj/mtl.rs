@@ -114,4 +114,21 @@ mod tests {
         assert_eq!(e.texture.as_deref(), Some("x.png"));
         assert_eq!(e.material.alpha_mode, AlphaMode::Mask(0.5));
     }
+
+    #[test]
+    fn no_text_is_too_broken() {
+        let words = ["newmtl", "Kd", "map_Kd", "-s", "-mm", "Tr", "d", "1", "nan", "1e39", "\n", "x"];
+        let mut state = 1_u64;
+        for _ in 0..20_000 {
+            let mut text = "newmtl x\n".to_owned();
+            for _ in 0..12 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                text += words[(state >> 33) as usize % words.len()];
+                text += if state >> 63 == 0 { " " } else { "\n" };
+            }
+            for MtlMaterial { material, .. } in read(&text) {
+                assert!(material.base_color.is_finite() && material.emissive.is_finite());
+            }
+        }
+    }
 }
