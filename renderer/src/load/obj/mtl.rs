@@ -117,7 +117,8 @@ mod tests {
 
     #[test]
     fn no_text_is_too_broken() {
-        let words = ["newmtl", "Kd", "map_Kd", "-s", "-mm", "Tr", "d", "1", "nan", "1e39", "\n", "x"];
+        let words =
+            ["newmtl", "Kd", "map_Kd", "-s", "-mm", "Tr", "d", "1", "nan", "1e39", "\n", "x"];
         let mut state = 1_u64;
         for _ in 0..20_000 {
             let mut text = "newmtl x\n".to_owned();
