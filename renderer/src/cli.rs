@@ -44,12 +44,14 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE", default_value = "penumbra.png")]
     pub output: PathBuf,
 
-    /// What to write: beauty, visibility, depth, ids, normals, light-depth, light-ids.
+    /// What to write: beauty, visibility, depth, ids, normals, light-depth, light-ids,
+    /// visibility-channel.
     ///
     /// beauty: the shaded picture.
     /// visibility: the fraction of the light that each pixel sees, the mean over all lights.
     /// depth: metres along the camera's axis. ids: object IDs. normals: world space.
-    /// light-depth, light-ids: the first depth map of the first light.
+    /// light-depth, light-ids: the first depth maps of the first light.
+    /// visibility-channel: those of --method skins, one sample below the other.
     #[arg(long, value_name = "PASS", default_value = "beauty", verbatim_doc_comment)]
     pub pass: String,
 
@@ -102,9 +104,12 @@ pub struct RenderArgs {
 
     /// How shadows are found. By default the best for each light.
     ///
+    /// search         point, sphere, sun: one map (Brabec and Seidel 2002), any number of edges
+    /// intervals      linear: all that --samples maps know of the light
+    /// skins          linear: --samples maps (Heidrich, Brabec and Seidel 2000)
     /// hard           one shadow map from the light's middle (Williams 1978)
     /// point-samples  --samples hard maps, averaged: the papers' baseline
-    /// search-paper   sphere, sun: one map (Brabec and Seidel 2002) with --r-scale and so on
+    /// search-paper   like search, with the paper's --r-scale, --r-bias, --r-shrink
     /// pcf            percentage-closer filtering (Reeves et al. 1987)
     /// pcss           sphere, sun: percentage-closer soft shadows (Fernando 2005)
     /// ray-traced     --samples rays per pixel: the truth
@@ -115,7 +120,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "1024")]
     pub map_size: String,
 
-    /// Samples of the light (maps of point-samples, rays of ray-traced).
+    /// Samples of the light: maps of intervals and skins (2 or more, by default 3) and of
+    /// point-samples (16), rays per pixel of ray-traced (256).
     #[arg(long, value_name = "N")]
     pub samples: Option<String>,
 

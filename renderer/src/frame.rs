@@ -5,16 +5,17 @@
 
 use std::time::Duration;
 
-use raster::{DepthBuffer, Payload, Rasterizer};
+use linear_light::VisibilityChannels;
+use raster::{DepthBuffer, Payload};
 use reference::Tracer;
 use shadowmap_core::{Camera, Level, Mesh, Surfaces, Threads, View};
 
+use crate::drawing::Drawing;
 use crate::emitters::{Emitter, exposure, push_emitters};
 use crate::lighting::LightJob;
-use crate::method::Method;
 use crate::prepared::Prepared;
 use crate::shade::{Pixels, Shading, shade};
-use crate::shadow::ShadowStage;
+use crate::shadow::{Log, Scene, ShadowStage};
 use crate::stats::{Counters, StageTimes, timed};
 
 /// How far a frame goes.
@@ -54,13 +55,11 @@ pub struct Shot<'a> {
 pub struct Frame {
     level: Level,
     threads: Threads,
-    rasterizer: Rasterizer,
-    camera: DepthBuffer,
+    drawing: Drawing,
+    /// One map.
+    camera: [DepthBuffer; 1],
     front_faces: Vec<[u32; 3]>,
-    maps: Vec<DepthBuffer>,
     visibility: Vec<Vec<f32>>,
-    /// Visibility of one of several samples.
-    sample: Vec<f32>,
     shadow: ShadowStage,
     emitters: Vec<Vec<Emitter>>,
     srgb: Vec<u8>,
@@ -76,12 +75,10 @@ impl Frame {
         Frame {
             level,
             threads,
-            rasterizer: Rasterizer::new(level, threads),
-            camera: DepthBuffer::new(0, 0),
+            drawing: Drawing::new(level, threads),
+            camera: [DepthBuffer::new(0, 0)],
             front_faces: Vec::new(),
-            maps: Vec::new(),
             visibility: Vec::new(),
-            sample: Vec::new(),
             shadow: ShadowStage::new(level, threads),
             emitters: Vec::new(),
             srgb: Vec::new(),
@@ -94,12 +91,17 @@ impl Frame {
     /// What the camera sees: nearness, and the index of the triangle + 1.
     #[must_use]
     pub fn camera(&self) -> &DepthBuffer {
-        &self.camera
+        &self.camera[0]
     }
-    /// The maps of the light that was drawn last, one per face, with object IDs.
+    /// The maps that were drawn last for a light, with object IDs.
     #[must_use]
     pub fn maps(&self) -> &[DepthBuffer] {
-        &self.maps
+        self.shadow.maps()
+    }
+    /// The visibility channels that were drawn last, one set per frustum of a linear light.
+    #[must_use]
+    pub fn channels(&self) -> &[VisibilityChannels] {
+        self.shadow.channels()
     }
     /// Visibility of each light from every pixel of the camera.
     #[must_use]
@@ -142,9 +144,9 @@ impl Frame {
         match shot.goal {
             Goal::Camera => {}
             Goal::LightMap => {
-                if let Some(views) = shot.lights.first().and_then(|light| light.views.first()) {
-                    timed(&mut times.light_maps, || self.draw_maps(shot, views));
-                }
+                let mut log = Log { times, counters: &mut self.counters };
+                let views = shot.lights.first().map_or(&[][..], |light| light.plan.first_views());
+                self.shadow.draw_maps(&mut self.drawing, shot.prepared, &[views], &mut log);
             }
             Goal::Visibility => self.draw_lights(shot, times),
             Goal::Srgb | Goal::Linear => {
@@ -159,76 +161,22 @@ impl Frame {
         if let Some(triangles) = shot.prepared.front_faces(shot.camera, &mut self.front_faces) {
             mesh = Mesh { triangles, ..mesh };
         }
-        let (rasterizer, camera) = (&mut self.rasterizer, &mut self.camera);
-        let drawn =
-            draw(rasterizer, shot.prepared, &mesh, shot.camera, Payload::TriangleIndex, camera);
+        let views = std::slice::from_ref(shot.camera);
+        let payload = Payload::TriangleIndex;
+        let drawn = self.drawing.draw(shot.prepared, &mesh, views, payload, &mut self.camera);
         self.counters.add("triangles drawn for the camera", drawn);
     }
 
-    fn draw_maps(&mut self, shot: &Shot<'_>, views: &[View]) {
-        let mesh = shot.prepared.scene().mesh.as_mesh();
-        self.maps.resize_with(views.len(), || DepthBuffer::new(0, 0));
-        for (view, map) in views.iter().zip(&mut self.maps) {
-            let rasterizer = &mut self.rasterizer;
-            let drawn = draw(rasterizer, shot.prepared, &mesh, view, Payload::ObjectId, map);
-            self.counters.add("light maps", 1);
-            self.counters.add("triangles drawn for lights", drawn);
-        }
-    }
-
     fn draw_lights(&mut self, shot: &Shot<'_>, times: &mut StageTimes) {
-        let pixels = self.camera.nearness.len();
+        let surfaces = Surfaces::Table(shot.prepared.surfaces());
+        let camera = Camera::new(shot.camera, self.camera[0].as_depth_map(), surfaces)
+            .expect("the camera's pass is drawn in the size of its view");
+        let scene = Scene { prepared: shot.prepared, camera, tracer: shot.tracer };
+        let mut log = Log { times, counters: &mut self.counters };
         self.visibility.resize_with(shot.lights.len(), Vec::new);
-        for (index, light) in shot.lights.iter().enumerate() {
-            // Taken out, so that the rest of the frame can be borrowed beside it.
-            let mut out = std::mem::take(&mut self.visibility[index]);
-            out.resize(pixels, 0.0);
-            self.draw_light(shot, light, times, &mut out);
-            self.visibility[index] = out;
-        }
-    }
-
-    fn draw_light(
-        &mut self,
-        shot: &Shot<'_>,
-        light: &LightJob,
-        times: &mut StageTimes,
-        out: &mut [f32],
-    ) {
-        match (light.method, shot.tracer) {
-            (Method::RayTraced, Some(tracer)) => {
-                let camera = receivers(&self.camera, shot);
-                timed(&mut times.shadow, || {
-                    self.shadow.by_rays(&camera, light, tracer, &mut self.counters, out);
-                });
-            }
-            (Method::RayTraced, None) => out.fill(0.0),
-            _ if light.views.len() == 1 => {
-                let views = &light.views[0];
-                timed(&mut times.light_maps, || self.draw_maps(shot, views));
-                let (camera, counters) = (receivers(&self.camera, shot), &mut self.counters);
-                timed(&mut times.shadow, || {
-                    self.shadow.by_maps(&camera, light, views, &self.maps, counters, out);
-                });
-            }
-            _ => {
-                out.fill(0.0);
-                let weight = 1.0 / light.views.len() as f32;
-                let mut sample = std::mem::take(&mut self.sample);
-                sample.resize(out.len(), 0.0);
-                for views in &light.views {
-                    timed(&mut times.light_maps, || self.draw_maps(shot, views));
-                    let (camera, counters) = (receivers(&self.camera, shot), &mut self.counters);
-                    let (shadow, maps) = (&mut self.shadow, &self.maps);
-                    timed(&mut times.shadow, || {
-                        shadow.by_maps(&camera, light, views, maps, counters, &mut sample);
-                        for (out, sample) in out.iter_mut().zip(&sample) {
-                            *out += weight * *sample;
-                        }
-                    });
-                }
-                self.sample = sample;
-            }
+        for (light, out) in shot.lights.iter().zip(&mut self.visibility) {
+            out.resize(camera.map().nearness().len(), 0.0);
+            self.shadow.visibility(&mut self.drawing, &scene, light, &mut log, out);
         }
     }
 
@@ -243,7 +191,7 @@ impl Frame {
         let shading = Shading {
             prepared: shot.prepared,
             camera: shot.camera,
-            map: self.camera.as_depth_map(),
+            map: self.camera[0].as_depth_map(),
             emitters: &self.emitters,
             visibility: &self.visibility,
             aa: shot.aa,
@@ -259,31 +207,4 @@ impl Frame {
         };
         shade(&shading, self.level, self.threads, pixels);
     }
-}
-
-/// The camera's pass as the methods take it.
-fn receivers<'a>(camera: &'a DepthBuffer, shot: &'a Shot<'a>) -> Camera<'a> {
-    let surfaces = Surfaces::Table(shot.prepared.surfaces());
-    Camera::new(shot.camera, camera.as_depth_map(), surfaces)
-        .expect("the camera's pass is drawn in the size of its view")
-}
-
-/// Draws one map in the size of its view. Returns how many triangles were drawn.
-fn draw(
-    rasterizer: &mut Rasterizer,
-    prepared: &Prepared<'_>,
-    mesh: &Mesh<'_>,
-    view: &View,
-    payload: Payload,
-    map: &mut DepthBuffer,
-) -> u64 {
-    if (map.width(), map.height()) != (view.width(), view.height()) {
-        *map = DepthBuffer::new(view.width(), view.height());
-    }
-    let (views, targets) = (std::slice::from_ref(view), &mut [map.target()]);
-    let stats = prepared.with_alpha_mask(|mask| match mask {
-        Some(mask) => rasterizer.draw_masked(views, mesh, mask, payload, targets),
-        None => rasterizer.draw_many(views, mesh, payload, targets),
-    });
-    stats.drawn as u64
 }

@@ -1,6 +1,7 @@
 //! Where a light's depth maps are taken from, fitted to what the light must cover.
 
 use glam::{DVec3, Vec3};
+use linear_light::SampleViews;
 use shadowmap_core::{Light, View, Window};
 
 use crate::scene::{Bounds, SceneLight, SpotCone};
@@ -50,6 +51,32 @@ pub fn fit(
         },
         (_, None) => Vec::new(),
     }
+}
+
+/// The rectified views of a linear light whose window is square as far as its middle sees: it takes
+/// in what a frustum by hand from the middle would, turned so that it stands across the light.
+#[must_use]
+pub fn by_hand_line(
+    a: Vec3,
+    b: Vec3,
+    samples: usize,
+    by_hand: ByHand,
+    size: u32,
+    points: &[Vec3],
+) -> SampleViews {
+    let middle = (a + b) * 0.5;
+    let towards = by_hand.target - middle;
+    let axis = (b - a).normalize_or(Vec3::X);
+    let depth = (towards - axis * towards.dot(axis)).length().max(1e-6);
+    let half = libm::tan(f64::from(by_hand.fov) * 0.5) as f32;
+    // The middle sees the target at this tangent along the light, and either end sees the light's
+    // half length more.
+    let along = towards.dot(axis) / depth;
+    let reach = half + a.distance(b) * 0.5 / depth;
+    let window = Window { left: along - reach, right: along + reach, top: -half, bottom: half };
+    let points = points.iter().filter(|p| p.is_finite()).map(|p| p.as_dvec3());
+    let near = nearest(middle.as_dvec3(), points) as f32;
+    SampleViews::new(a, b, samples, towards, window, [size, size], near)
 }
 
 /// The up direction of a view along `forward`: -z if that is vertical, else y.

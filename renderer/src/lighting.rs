@@ -1,15 +1,19 @@
 //! The lights of a frame: which method draws each, and from where its maps are taken.
 
 use glam::Vec3;
+use linear_light::RectifiedLight;
 use reference::point_lights;
-use shadowmap_core::View;
+use shadowmap_core::{Light, View};
 use single_sample::paper;
 
 use crate::Error;
-use crate::light_views::{ByHand, fit};
+use crate::light_views::{ByHand, by_hand_line, fit};
 use crate::method::{Method, light_kind};
 use crate::prepared::Prepared;
 use crate::scene::SceneLight;
+
+/// Samples of a linear light, unless told otherwise.
+const LINE_SAMPLES: u32 = 3;
 
 /// Samples of the methods that take point samples, unless told otherwise.
 const POINT_SAMPLES: u32 = 16;
@@ -32,6 +36,32 @@ pub struct LightOptions {
     pub paper: paper::Parameters,
 }
 
+/// Where a light's maps are taken from.
+#[derive(Clone, Debug)]
+pub enum Plan {
+    /// The views from its middle, one or several.
+    Middle(Vec<View>),
+    /// For each of its points, the views from there.
+    Points(Vec<Vec<View>>),
+    /// The rectified views along it.
+    Line(RectifiedLight),
+    /// It needs none.
+    Rays,
+}
+
+impl Plan {
+    /// The views of the maps that are shown as the light's: of its first point or frustum.
+    #[must_use]
+    pub fn first_views(&self) -> &[View] {
+        match self {
+            Plan::Middle(views) => views,
+            Plan::Points(samples) => samples.first().map_or(&[], Vec::as_slice),
+            Plan::Line(light) => light.frusta()[0].views(),
+            Plan::Rays => &[],
+        }
+    }
+}
+
 /// A light and how it is drawn.
 #[derive(Clone, Debug)]
 pub struct LightJob {
@@ -41,8 +71,8 @@ pub struct LightJob {
     pub method: Method,
     /// How many samples it takes; 1 for the methods that take one.
     pub samples: u32,
-    /// For each sample that needs maps, the views from it, one or several.
-    pub views: Vec<Vec<View>>,
+    /// Where its maps are taken from.
+    pub plan: Plan,
     /// Of [`Method::SearchPaper`].
     pub paper: paper::Parameters,
 }
@@ -69,23 +99,47 @@ impl LightJob {
                 names.join(", ")
             )));
         }
-        let samples = match method {
-            Method::PointSamples => options.samples.unwrap_or(POINT_SAMPLES),
-            Method::RayTraced => options.samples.unwrap_or(RAYS),
-            Method::Hard | Method::SearchPaper | Method::Pcf | Method::Pcss => 1,
+        let samples = match (method, options.samples) {
+            (Method::Skins | Method::Intervals, Some(1)) => {
+                return Err(Error::new(format_args!(
+                    "--samples 1: --method {method} needs one at either end of the light, 2 at least"
+                )));
+            }
+            (Method::Skins | Method::Intervals, samples) => samples.unwrap_or(LINE_SAMPLES),
+            (Method::PointSamples, samples) => samples.unwrap_or(POINT_SAMPLES),
+            (Method::RayTraced, samples) => samples.unwrap_or(RAYS),
+            _ => 1,
         };
         let middle = prepared.bounds().map_or(Vec3::ZERO, |bounds| bounds.center());
-        let points = prepared.hull();
-        let views = |point| {
-            fit(point, light.spot, options.by_hand, options.map_size, points.iter().copied())
+        let size = options.map_size;
+        let views = |point: &Light| {
+            fit(point, light.spot, options.by_hand, size, prepared.hull().iter().copied())
         };
-        let views = match method {
-            Method::RayTraced => Vec::new(),
-            Method::PointSamples => {
-                point_lights(shape, samples, middle).iter().map(views).collect()
+        let plan = match (method, *shape) {
+            (Method::RayTraced, _) => Plan::Rays,
+            (Method::PointSamples, _) => {
+                let points = point_lights(shape, samples, middle);
+                Plan::Points(points.iter().map(views).collect())
             }
-            Method::Hard | Method::SearchPaper | Method::Pcf | Method::Pcss => vec![views(shape)],
+            (Method::Skins | Method::Intervals, Light::Linear { a, b }) => {
+                let samples = samples as usize;
+                Plan::Line(match options.by_hand {
+                    Some(by_hand) => RectifiedLight::from_frustum(by_hand_line(
+                        a,
+                        b,
+                        samples,
+                        by_hand,
+                        size,
+                        prepared.hull(),
+                    )),
+                    None => {
+                        let points = prepared.hull().iter().copied();
+                        RectifiedLight::fit(a, b, samples, [size, size], points)
+                    }
+                })
+            }
+            _ => Plan::Middle(views(shape)),
         };
-        Ok(LightJob { light: light.clone(), method, samples, views, paper: options.paper })
+        Ok(LightJob { light: light.clone(), method, samples, plan, paper: options.paper })
     }
 }

@@ -13,8 +13,14 @@ pub enum Method {
     Hard,
     /// Many hard shadow maps, averaged: the baseline of both papers.
     PointSamples,
+    /// Brabec and Seidel 2002 with one physical parameter, the size of the light.
+    Search,
     /// Brabec and Seidel 2002 with the paper's own parameters.
     SearchPaper,
+    /// Heidrich, Brabec and Seidel 2000: skins between the samples of a linear light.
+    Skins,
+    /// All that the same maps know: intervals of the light that they show hidden.
+    Intervals,
     /// Percentage-closer filtering (Reeves et al. 1987).
     Pcf,
     /// Percentage-closer soft shadows (Fernando 2005).
@@ -25,8 +31,11 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which `--help` lists them.
-    pub const ALL: [Method; 6] = [
+    pub const ALL: [Method; 9] = [
+        Method::Search,
         Method::SearchPaper,
+        Method::Intervals,
+        Method::Skins,
         Method::Hard,
         Method::PointSamples,
         Method::Pcf,
@@ -40,7 +49,10 @@ impl Method {
         match self {
             Method::Hard => "hard",
             Method::PointSamples => "point-samples",
+            Method::Search => "search",
             Method::SearchPaper => "search-paper",
+            Method::Intervals => "intervals",
+            Method::Skins => "skins",
             Method::Pcf => "pcf",
             Method::Pcss => "pcss",
             Method::RayTraced => "ray-traced",
@@ -65,7 +77,8 @@ impl Method {
         let round = matches!(light, Light::Point { .. } | Light::Sphere { .. } | Light::Sun { .. });
         match self {
             Method::Hard | Method::PointSamples | Method::RayTraced => true,
-            Method::SearchPaper | Method::Pcf => round,
+            Method::Search | Method::SearchPaper | Method::Pcf => round,
+            Method::Skins | Method::Intervals => matches!(light, Light::Linear { .. }),
             Method::Pcss => round && !matches!(light, Light::Point { .. }),
         }
     }
@@ -74,8 +87,8 @@ impl Method {
     #[must_use]
     pub fn default_for(light: &Light) -> Method {
         match light {
-            Light::Point { .. } => Method::Hard,
-            Light::Sphere { .. } | Light::Sun { .. } => Method::SearchPaper,
+            Light::Point { .. } | Light::Sphere { .. } | Light::Sun { .. } => Method::Search,
+            Light::Linear { .. } => Method::Intervals,
             _ => Method::PointSamples,
         }
     }

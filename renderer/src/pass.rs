@@ -25,11 +25,13 @@ pub enum Pass {
     LightDepth,
     /// Object IDs in the first map of the first light.
     LightIds,
+    /// The visibility channels of the first light, drawn with skins.
+    VisibilityChannel,
 }
 
 impl Pass {
     /// All passes, in the order in which `--help` lists them.
-    pub const ALL: [Pass; 7] = [
+    pub const ALL: [Pass; 8] = [
         Pass::Beauty,
         Pass::Visibility,
         Pass::Depth,
@@ -37,6 +39,7 @@ impl Pass {
         Pass::Normals,
         Pass::LightDepth,
         Pass::LightIds,
+        Pass::VisibilityChannel,
     ];
 
     /// Its name on the command line.
@@ -50,6 +53,7 @@ impl Pass {
             Pass::Normals => "normals",
             Pass::LightDepth => "light-depth",
             Pass::LightIds => "light-ids",
+            Pass::VisibilityChannel => "visibility-channel",
         }
     }
 
@@ -77,7 +81,7 @@ impl Pass {
         match self {
             Pass::Beauty if float_file => Goal::Linear,
             Pass::Beauty => Goal::Srgb,
-            Pass::Visibility => Goal::Visibility,
+            Pass::Visibility | Pass::VisibilityChannel => Goal::Visibility,
             Pass::Depth | Pass::Ids | Pass::Normals => Goal::Camera,
             Pass::LightDepth | Pass::LightIds => Goal::LightMap,
         }
@@ -119,13 +123,14 @@ impl Pass {
                 floats(size, 3, bytemuck::cast_slice(&normals).to_vec(), Display::Signed)
             }
             Pass::LightDepth | Pass::LightIds => light_map(self, frame, shot),
+            Pass::VisibilityChannel => channels(frame),
         }
     }
 }
 
 fn light_map(pass: Pass, frame: &Frame, shot: &Shot<'_>) -> Picture {
-    let views = shot.lights.first().and_then(|light| light.views.first());
-    let maps = frame.maps().iter().zip(views.into_iter().flatten());
+    let views = shot.lights.first().map_or(&[][..], |light| light.plan.first_views());
+    let maps = frame.maps().iter().zip(views);
     let width = frame.maps().first().map_or(0, |map| map.width());
     let height = frame.maps().iter().map(|map| map.height()).sum();
     let (values, display) = if pass == Pass::LightIds {
@@ -138,6 +143,19 @@ fn light_map(pass: Pass, frame: &Frame, shot: &Shot<'_>) -> Picture {
         (depths.collect(), Display::Depth)
     };
     floats([width, height], 1, values, display)
+}
+
+/// The channels of the first frustum's samples, below each other.
+fn channels(frame: &Frame) -> Picture {
+    let (Some(map), Some(channels)) = (frame.maps().first(), frame.channels().first()) else {
+        return floats([0, 0], 1, Vec::new(), Display::Unit);
+    };
+    let mut values = vec![0.0; channels.samples() * map.nearness.len()];
+    for (k, values) in values.chunks_mut(map.nearness.len().max(1)).enumerate() {
+        channels.channel(k, values);
+    }
+    let height = map.height() * channels.samples() as u32;
+    floats([map.width(), height], 1, values, Display::Unit)
 }
 
 /// The mean over all lights and over the samples of each pixel.

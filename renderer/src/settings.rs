@@ -61,6 +61,12 @@ impl Settings {
         let format = Format::of(&args.output)
             .map_err(|error| Error::new(format_args!("--output {error}")))?;
         let pass = Pass::parse(&args.pass)?;
+        let mut method = args.method.as_deref().map(Method::parse).transpose()?;
+        if pass == Pass::VisibilityChannel && *method.get_or_insert(Method::Skins) != Method::Skins
+        {
+            let text = "--pass visibility-channel: only --method skins draws such channels";
+            return Err(Error::new(text));
+        }
         let aa = count("--aa", &args.aa, 1..=MAX_AA)?;
         let vector = |option: &str, text: &Option<String>| {
             text.as_deref().map(|text| point(option, text)).transpose()
@@ -95,7 +101,7 @@ impl Settings {
             ground: args.ground,
             lights: args.light.iter().map(|text| light(text)).collect::<Result<_, _>>()?,
             light_options: LightOptions {
-                method: args.method.as_deref().map(Method::parse).transpose()?,
+                method,
                 samples: samples.map(|text| count("--samples", text, 1..=65536)).transpose()?,
                 map_size: count("--map-size", &args.map_size, 1..=MAX_SIZE)?,
                 by_hand,

@@ -1,31 +1,62 @@
-//! The visibility of one light from every pixel.
+//! The stages of one light: its depth maps, and its visibility from every pixel.
 
 use glam::Vec3;
-use raster::DepthBuffer;
+use linear_light::{
+    FrustumMaps, INTERVAL_BIAS, IntervalVisibility, RectifiedLight, SampleMap, SkinOptions,
+    SkinShadow, VisibilityChannels,
+};
+use raster::{DepthBuffer, Payload};
 use reference::{Pcf, Pcss, Samples, Tracer};
-use shadowmap_core::{Bias, Camera, DepthMap, HardShadow, Level, Threads, View, hard_shadow};
-use single_sample::{LightMap, Texels, paper};
+use shadowmap_core::{
+    Bias, Camera, DepthMap, HardShadow, Level, Light, Threads, View, hard_shadow,
+};
+use simd_search::{NodeGroup, Pyramid};
+use single_sample::{LightMap, Texels, paper, search};
 
+use crate::drawing::Drawing;
 use crate::faces;
-use crate::lighting::LightJob;
+use crate::lighting::{LightJob, Plan};
 use crate::method::Method;
+use crate::prepared::Prepared;
 use crate::receivers;
-use crate::stats::Counters;
+use crate::stats::{Counters, StageTimes, timed};
 
-/// The size of a map made by a [`DepthBuffer`] is its view's.
+/// Why sizes need no check.
 const SIZES_AGREE: &str = "maps are drawn in the size of their view";
 
-/// The visibility stage, and memory that is kept between lights and frames.
+/// The stages of lights, and their memory, which is kept between lights and frames.
 #[derive(Debug)]
 pub(crate) struct ShadowStage {
     level: Level,
     threads: Threads,
+    maps: Vec<DepthBuffer>,
+    pyramid: Vec<NodeGroup>,
+    intervals: IntervalVisibility,
+    channels: Vec<VisibilityChannels>,
     /// The camera's nearness where a receiver belongs to one of several faces.
     of_face: Vec<f32>,
-    /// Visibility from one of several faces.
-    part: Vec<f32>,
+    /// Visibility from one of several faces, and of one of several samples.
+    face: Vec<f32>,
+    sample: Vec<f32>,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
+}
+
+/// What a light is drawn for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scene<'a> {
+    pub prepared: &'a Prepared<'a>,
+    /// What the camera sees.
+    pub camera: Camera<'a>,
+    /// For ray-traced lights.
+    pub tracer: Option<&'a Tracer<'a>>,
+}
+
+/// What is told of the work.
+#[derive(Debug)]
+pub(crate) struct Log<'a> {
+    pub times: &'a mut StageTimes,
+    pub counters: &'a mut Counters,
 }
 
 impl ShadowStage {
@@ -33,109 +64,298 @@ impl ShadowStage {
         ShadowStage {
             level,
             threads,
+            maps: Vec::new(),
+            pyramid: Vec::new(),
+            intervals: IntervalVisibility::new(level, threads),
+            channels: Vec::new(),
             of_face: Vec::new(),
-            part: Vec::new(),
+            face: Vec::new(),
+            sample: Vec::new(),
             positions: Vec::new(),
             normals: Vec::new(),
         }
     }
 
-    /// Writes the visibility of `light` as its method finds it in one map per face.
-    pub fn by_maps(
+    /// The maps that were drawn last.
+    pub fn maps(&self) -> &[DepthBuffer] {
+        &self.maps
+    }
+
+    /// The visibility channels that were drawn last, one per frustum.
+    pub fn channels(&self) -> &[VisibilityChannels] {
+        &self.channels
+    }
+
+    /// Draws the maps of `groups` of views, one group after another: all frusta of a light, or the
+    /// faces of one of its samples.
+    pub fn draw_maps(
+        &mut self,
+        drawing: &mut Drawing,
+        prepared: &Prepared<'_>,
+        groups: &[&[View]],
+        log: &mut Log<'_>,
+    ) {
+        let count = groups.iter().map(|views| views.len()).sum();
+        self.maps.resize_with(count, || DepthBuffer::new(0, 0));
+        let mesh = prepared.scene().mesh.as_mesh();
+        let mut maps = &mut self.maps[..];
+        timed(&mut log.times.light_maps, || {
+            for views in groups {
+                let (these, others) = std::mem::take(&mut maps).split_at_mut(views.len());
+                maps = others;
+                let drawn = drawing.draw(prepared, &mesh, views, Payload::ObjectId, these);
+                log.counters.add("triangles drawn for lights", drawn);
+            }
+        });
+        log.counters.add("light maps", count as u64);
+    }
+
+    /// Writes the visibility of `light` from every pixel.
+    pub fn visibility(
+        &mut self,
+        drawing: &mut Drawing,
+        scene: &Scene<'_>,
+        light: &LightJob,
+        log: &mut Log<'_>,
+        out: &mut [f32],
+    ) {
+        match &light.plan {
+            Plan::Middle(views) => {
+                self.draw_maps(drawing, scene.prepared, &[views], log);
+                self.by_faces(&scene.camera, light, views, log, out);
+            }
+            Plan::Points(samples) => {
+                out.fill(0.0);
+                let weight = 1.0 / samples.len() as f32;
+                let mut sample = std::mem::take(&mut self.sample);
+                sample.resize(out.len(), 0.0);
+                for views in samples {
+                    self.draw_maps(drawing, scene.prepared, &[views], log);
+                    self.by_faces(&scene.camera, light, views, log, &mut sample);
+                    timed(&mut log.times.shadow, || {
+                        for (out, sample) in out.iter_mut().zip(&sample) {
+                            *out += weight * *sample;
+                        }
+                    });
+                }
+                self.sample = sample;
+            }
+            Plan::Line(rectified) => {
+                let groups: Vec<_> = rectified.frusta().iter().map(|f| f.views()).collect();
+                self.draw_maps(drawing, scene.prepared, &groups, log);
+                match light.method {
+                    Method::Skins => self.by_skins(&scene.camera, rectified, log, out),
+                    _ => self.by_intervals(&scene.camera, rectified, log, out),
+                }
+            }
+            Plan::Rays => self.by_rays(scene, light, log, out),
+        }
+    }
+
+    /// Shares the pixels out among the maps of a light's faces.
+    fn by_faces(
         &mut self,
         camera: &Camera<'_>,
         light: &LightJob,
         views: &[View],
-        maps: &[DepthBuffer],
-        counters: &mut Counters,
+        log: &mut Log<'_>,
         out: &mut [f32],
     ) {
-        let (level, threads) = (self.level, self.threads);
-        if let ([view], [map]) = (views, maps) {
-            return by_map(camera, light, view, &map.as_depth_map(), level, threads, counters, out);
-        }
-        out.fill(0.0);
-        self.of_face.resize(out.len(), 0.0);
-        self.part.resize(out.len(), 0.0);
-        let (width, height) = (camera.map().width(), camera.map().height());
-        for (face, (view, map)) in views.iter().zip(maps).enumerate() {
-            faces::receivers_of(camera, views, face, threads, &mut self.of_face);
-            let masked = DepthMap::new(width, height, &self.of_face, camera.map().ids());
-            let masked = masked.expect(SIZES_AGREE);
-            let of_face = Camera::new(camera.view(), masked, camera.surfaces()).expect(SIZES_AGREE);
-            let map = map.as_depth_map();
-            by_map(&of_face, light, view, &map, level, threads, counters, &mut self.part);
-            // Each receiver belongs to one face; the other faces say 0.
-            for (out, part) in out.iter_mut().zip(&self.part) {
-                *out += *part;
+        let maps = std::mem::take(&mut self.maps);
+        if let ([view], [map]) = (views, &maps[..]) {
+            self.by_map(camera, light, view, &map.as_depth_map(), log, out);
+        } else {
+            out.fill(0.0);
+            let mut of_face = std::mem::take(&mut self.of_face);
+            let mut part = std::mem::take(&mut self.face);
+            of_face.resize(out.len(), 0.0);
+            part.resize(out.len(), 0.0);
+            let (width, height) = (camera.map().width(), camera.map().height());
+            for (face, (view, map)) in views.iter().zip(&maps).enumerate() {
+                timed(&mut log.times.shadow, || {
+                    faces::receivers_of(camera, views, face, self.threads, &mut of_face);
+                });
+                let masked = DepthMap::new(width, height, &of_face, camera.map().ids());
+                let masked = masked.expect(SIZES_AGREE);
+                let masked = Camera::new(camera.view(), masked, camera.surfaces());
+                let masked = masked.expect(SIZES_AGREE);
+                self.by_map(&masked, light, view, &map.as_depth_map(), log, &mut part);
+                // Each receiver belongs to one face; the other faces say 0.
+                timed(&mut log.times.shadow, || {
+                    for (out, part) in out.iter_mut().zip(&part) {
+                        *out += *part;
+                    }
+                });
             }
+            (self.of_face, self.face) = (of_face, part);
         }
+        self.maps = maps;
     }
 
-    /// Writes the visibility of `light` by rays.
-    pub fn by_rays(
+    /// The visibility as the methods find it that look into one map.
+    fn by_map(
         &mut self,
         camera: &Camera<'_>,
         light: &LightJob,
-        tracer: &Tracer<'_>,
+        view: &View,
+        map: &DepthMap<'_>,
+        log: &mut Log<'_>,
+        out: &mut [f32],
+    ) {
+        if light.method == Method::Search {
+            return self.by_search(camera, &light.light.light, view, map, log, out);
+        }
+        let StageTimes { shadow, .. } = log.times;
+        timed(shadow, || match light.method {
+            Method::SearchPaper => {
+                let map = LightMap::new(view, Texels::Plain(*map)).expect(SIZES_AGREE);
+                let found = paper::visibility(camera, &map, &light.paper, self.threads, out);
+                log.counters.add_searches(&found);
+            }
+            _ => self.by_tests(camera, light, view, map, log.counters, out),
+        });
+    }
+
+    /// The methods that ask about each receiver on its own.
+    fn by_tests(
+        &self,
+        camera: &Camera<'_>,
+        light: &LightJob,
+        view: &View,
+        map: &DepthMap<'_>,
         counters: &mut Counters,
         out: &mut [f32],
     ) {
-        self.positions.resize(out.len(), Vec3::ZERO);
-        self.normals.resize(out.len(), Vec3::ZERO);
-        let (positions, normals) = (&mut self.positions, &mut self.normals);
-        receivers::world(camera, self.threads, positions, normals);
-        let samples = Samples::Fixed(light.samples);
-        tracer.visibility(&light.light.light, positions, normals, samples, self.threads, out);
-        let seen = normals.iter().filter(|normal| **normal != Vec3::ZERO).count();
-        counters.add("receivers", seen as u64);
-        counters.add("rays", seen as u64 * u64::from(samples.count()));
-    }
-}
-
-/// Writes the visibility of `light` as its method finds it in one map.
-fn by_map(
-    camera: &Camera<'_>,
-    light: &LightJob,
-    view: &View,
-    map: &DepthMap<'_>,
-    level: Level,
-    threads: Threads,
-    counters: &mut Counters,
-    out: &mut [f32],
-) {
-    let bias = Bias::default();
-    let found = match light.method {
-        Method::Hard | Method::PointSamples => {
-            receivers::visibility(camera, view, level, threads, out, |point, _| {
-                f32::from(u8::from(hard_shadow(map, point, bias) != HardShadow::Blocked))
-            })
-        }
-        Method::Pcf => {
-            let pcf = Pcf::default();
-            receivers::visibility(camera, view, level, threads, out, |point, pixel| {
-                pcf.visibility(map, point, bias, pixel)
-            })
-        }
-        Method::Pcss => match Pcss::new(&light.light.light, view, map) {
-            Some(pcss) => {
+        let (level, threads, bias) = (self.level, self.threads, Bias::default());
+        let pcf = Pcf::default();
+        let pcss = match light.method {
+            Method::Pcss => Pcss::new(&light.light.light, view, map),
+            _ => None,
+        };
+        let found = match (light.method, pcss) {
+            (_, Some(pcss)) => {
                 receivers::visibility(camera, view, level, threads, out, |point, pixel| {
                     pcss.visibility(view, map, point, bias, pixel)
                 })
             }
-            None => return,
-        },
-        Method::SearchPaper => {
-            let map = LightMap::new(view, Texels::Plain(*map)).expect(SIZES_AGREE);
-            let found = paper::visibility(camera, &map, &light.paper, threads, out);
-            counters.add("receivers", found.receivers.into());
-            counters.add("outside the light's map", found.outside.into());
-            counters.add("searches", found.searches.into());
-            counters.add("searches cut by the map's border", found.cut_by_border.into());
-            return;
+            (Method::Pcf, _) => {
+                receivers::visibility(camera, view, level, threads, out, |point, pixel| {
+                    pcf.visibility(map, point, bias, pixel)
+                })
+            }
+            _ => receivers::visibility(camera, view, level, threads, out, |point, _| {
+                f32::from(u8::from(hard_shadow(map, point, bias) != HardShadow::Blocked))
+            }),
+        };
+        counters.add("receivers", found.receivers);
+        counters.add("outside the light's maps", found.outside);
+    }
+
+    fn by_search(
+        &mut self,
+        camera: &Camera<'_>,
+        light: &Light,
+        view: &View,
+        map: &DepthMap<'_>,
+        log: &mut Log<'_>,
+        out: &mut [f32],
+    ) {
+        let needed = Pyramid::storage_len(map.width(), map.height());
+        if self.pyramid.len() < needed {
+            self.pyramid.resize(needed, NodeGroup::default());
         }
-        Method::RayTraced => return,
-    };
-    counters.add("receivers", found.receivers);
-    counters.add("outside the light's map", found.outside);
+        let (level, storage) = (self.level, &mut self.pyramid[..needed]);
+        let pyramid = timed(&mut log.times.light_maps, || {
+            Pyramid::build(level, *map, storage, &mut []).expect("the storage is as long as asked")
+        });
+        let map = LightMap::new(view, Texels::Plain(*map)).expect(SIZES_AGREE);
+        let parameters = search::Parameters::of(light).unwrap_or_default();
+        let found = timed(&mut log.times.shadow, || {
+            search::visibility(level, self.threads, camera, &map, &pyramid, &parameters, out)
+        });
+        log.counters.add_searches(&found);
+    }
+
+    fn by_skins(
+        &mut self,
+        camera: &Camera<'_>,
+        light: &RectifiedLight,
+        log: &mut Log<'_>,
+        out: &mut [f32],
+    ) {
+        let frusta = light.frusta();
+        let options =
+            SkinOptions { level: self.level, threads: self.threads, ..SkinOptions::default() };
+        let maps: Vec<DepthMap<'_>> = self.maps.iter().map(DepthBuffer::as_depth_map).collect();
+        self.channels.resize_with(frusta.len(), VisibilityChannels::new);
+        let mut rest = &maps[..];
+        let mut maps_of_frusta = Vec::with_capacity(frusta.len());
+        for (frustum, channels) in frusta.iter().zip(&mut self.channels) {
+            let (maps, others) = rest.split_at(frustum.views().len());
+            rest = others;
+            timed(&mut log.times.visibility_channel, || {
+                channels.draw_rectified(frustum, maps, &options);
+            });
+            maps_of_frusta.push(maps);
+        }
+        let bias = Bias::default();
+        let shadows: Vec<SkinShadow<'_>> = frusta
+            .iter()
+            .zip(maps_of_frusta)
+            .zip(&self.channels)
+            .map(|((views, maps), channels)| SkinShadow::rectified(views, maps, channels, bias))
+            .collect();
+        let found = timed(&mut log.times.shadow, || {
+            linear_light::visibility(camera, &shadows, self.threads, out)
+        });
+        log.counters.add("receivers", found.receivers.into());
+        log.counters.add("outside the light's maps", found.outside.into());
+    }
+
+    fn by_intervals(
+        &mut self,
+        camera: &Camera<'_>,
+        light: &RectifiedLight,
+        log: &mut Log<'_>,
+        out: &mut [f32],
+    ) {
+        let frusta = light.frusta();
+        let mut maps = self.maps.iter().map(DepthBuffer::as_depth_map);
+        let samples: Vec<Vec<SampleMap<'_>>> = frusta
+            .iter()
+            .map(|frustum| {
+                let last = (frustum.views().len() - 1) as f32;
+                let maps = maps.by_ref().take(frustum.views().len()).enumerate();
+                maps.map(|(k, map)| SampleMap { t: k as f32 / last, map }).collect()
+            })
+            .collect();
+        let frusta: Vec<FrustumMaps<'_>> = frusta
+            .iter()
+            .zip(&samples)
+            .map(|(views, samples)| FrustumMaps { views, samples })
+            .collect();
+        let intervals = &mut self.intervals;
+        timed(&mut log.times.light_maps, || intervals.prepare(&frusta));
+        let found = timed(&mut log.times.shadow, || {
+            intervals.visibility(camera, &frusta, INTERVAL_BIAS, out)
+        });
+        log.counters.add("receivers", found.receivers);
+        log.counters.add("outside the light's maps", found.outside);
+        log.counters.add("searched receivers", found.searched);
+    }
+
+    fn by_rays(&mut self, scene: &Scene<'_>, light: &LightJob, log: &mut Log<'_>, out: &mut [f32]) {
+        let Some(tracer) = scene.tracer else { return out.fill(0.0) };
+        self.positions.resize(out.len(), Vec3::ZERO);
+        self.normals.resize(out.len(), Vec3::ZERO);
+        let (positions, normals) = (&mut self.positions, &mut self.normals);
+        let (threads, samples) = (self.threads, Samples::Fixed(light.samples));
+        timed(&mut log.times.shadow, || {
+            receivers::world(&scene.camera, threads, positions, normals);
+            tracer.visibility(&light.light.light, positions, normals, samples, threads, out);
+        });
+        let seen = normals.iter().filter(|normal| **normal != Vec3::ZERO).count() as u64;
+        log.counters.add("receivers", seen);
+        log.counters.add("rays", seen * u64::from(samples.count()));
+    }
 }

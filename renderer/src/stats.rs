@@ -84,6 +84,16 @@ impl Counters {
         }
     }
 
+    /// Adds what a single-sample method counted.
+    pub fn add_searches(&mut self, found: &single_sample::Counters) {
+        self.add("receivers", found.receivers.into());
+        self.add("outside the light's maps", found.outside.into());
+        self.add("searches", found.searches.into());
+        self.add("searches cut by the map's border", found.cut_by_border.into());
+        self.add("tiles", found.tiles.into());
+        self.add("tiles decided as a whole", found.decided_tiles.into());
+    }
+
     /// The count of that name; `None` if nothing was counted under it.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<u64> {

@@ -43,6 +43,8 @@ fn bad_values_end_in_one_line_and_leave_nothing() {
         (vec!["torus", "--light", "linear:0,4,0:1,4,0", "--method", "pcss"], "linear light"),
         (vec!["torus", "--map-size", "0"], "--map-size 0: "),
         (vec!["torus", "--samples", "0"], "--samples 0: "),
+        (vec!["torus", "--method", "skins", "--samples", "1"], "--samples 1: "),
+        (vec!["torus", "--method", "hard", "--pass", "visibility-channel"], "only --method skins"),
         (vec!["torus", "--simd", "mmx"], "--simd mmx: no such level; there are auto, scalar"),
         (vec!["torus", "--threads", "0"], "--threads 0: "),
         (vec!["torus", "--pass", "smell"], "--pass smell: no such pass"),
@@ -165,8 +167,15 @@ fn threads_and_levels_never_change_a_byte() {
         fs::read(folder.path().join(name)).unwrap()
     };
     for (name, more) in [
-        ("search.png", &["--method", "search-paper", "--aa", "2"][..]),
-        ("points.exr", &["--light", "linear:0,5,0:1,5,0", "--samples", "3"]),
+        ("paper.png", &["--method", "search-paper", "--aa", "2"][..]),
+        ("search.pfm", &["--method", "search", "--pass", "visibility"]),
+        ("intervals.pfm", &["--method", "intervals", "--pass", "visibility"]),
+        ("skins.exr", &["--method", "skins"]),
+        ("channel.pfm", &["--pass", "visibility-channel"]),
+        (
+            "points.exr",
+            &["--light", "linear:0,5,0:1,5,0", "--samples", "3", "--method", "point-samples"],
+        ),
         ("pcss.pfm", &["--method", "pcss", "--pass", "visibility"]),
         ("traced.pfm", &["--method", "ray-traced", "--samples", "8", "--pass", "visibility"]),
         ("inside.png", &["--light", "sphere:0,1,1:0.1", "--method", "hard"]),

@@ -55,6 +55,9 @@ impl Way {
             Method::RayTraced => format!("{samples} rays per pixel"),
             Method::Hard => format!("hard shadow map, {map_size}²"),
             Method::PointSamples => format!("{samples} point lights, {map_size}²"),
+            Method::Search => format!("search, {map_size}²"),
+            Method::Skins => format!("skins between {samples} samples, {map_size}²"),
+            Method::Intervals => format!("intervals from {samples} samples, {map_size}²"),
             Method::SearchPaper => format!("search as in the 2002 paper, {map_size}²"),
             Method::Pcf => format!("percentage-closer filtering, {map_size}²"),
             Method::Pcss => format!("percentage-closer soft shadows, {map_size}²"),
@@ -65,7 +68,9 @@ impl Way {
     pub fn file_name(&self) -> String {
         match self.method {
             Method::RayTraced => format!("rays-{}", self.samples),
-            Method::PointSamples => format!("{}-{}-{}", self.method, self.samples, self.map_size),
+            Method::PointSamples | Method::Skins | Method::Intervals => {
+                format!("{}-{}-{}", self.method, self.samples, self.map_size)
+            }
             method => format!("{method}-{}", self.map_size),
         }
     }
