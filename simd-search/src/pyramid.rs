@@ -22,14 +22,20 @@ pub(crate) const MAX_LEVELS: usize = 16;
 ///
 /// Node i of a group bounds every texel's nearness n in its part of the map:
 /// `low[i] <= n - (slope_x[i] * x + slope_y[i] * y) <= high[i]` with (x, y) measured from the
-/// node's centre. It is public only to be allocated: `vec![NodeGroup::default(); length]`.
+/// node's centre. A node without texels has `low` above `high`. Allocated by the caller, as
+/// `vec![NodeGroup::default(); length]`, and read by whoever has their own questions
+/// ([`Pyramid::leaves`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct NodeGroup {
-    pub(crate) slope_x: [f32; LANES],
-    pub(crate) slope_y: [f32; LANES],
-    pub(crate) low: [f32; LANES],
-    pub(crate) high: [f32; LANES],
+    /// Change of nearness per texel to the right.
+    pub slope_x: [f32; LANES],
+    /// Change of nearness per texel downwards.
+    pub slope_y: [f32; LANES],
+    /// The lower bound at the node's centre.
+    pub low: [f32; LANES],
+    /// The upper bound at the node's centre.
+    pub high: [f32; LANES],
 }
 
 /// Storage of a [`Pyramid`] for searches with an ID test: which of 16 sibling nodes hold a single
@@ -185,6 +191,19 @@ impl<'a> Pyramid<'a> {
             );
         }
         Ok(Pyramid { layout, nodes, ids, id_mask: map.id_mask() })
+    }
+
+    /// Texels of a leaf, along a row and down.
+    pub const LEAF: [u32; 2] = [LEAF_WIDTH, LEAF_HEIGHT];
+    /// Leaves of a group along each axis.
+    pub const GROUP: u32 = FAN;
+
+    /// The bounds of group (x, y) of the lowest level: of 4 x 4 leaves, row by row. `None` outside
+    /// the map.
+    #[inline]
+    #[must_use]
+    pub fn leaves(&self, x: u32, y: u32) -> Option<&'a NodeGroup> {
+        self.nodes.get(self.layout.group(0, x, y)?)
     }
 
     /// Panics unless the pyramid is one of a map of this size.
