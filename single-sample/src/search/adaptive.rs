@@ -2,109 +2,158 @@
 
 /// Pixels along each side of a tile.
 pub(crate) const TILE: usize = 16;
+/// Pixels of a tile.
+pub(crate) const COUNT: usize = TILE * TILE;
 
 /// A pixel that needs no search.
-pub(crate) const NO_KEY: u64 = 0;
+pub(crate) const NO_KEY: u32 = 0;
 
 /// The blocked fractions of a tile's pixels, searched or interpolated.
+///
+/// Pixels are asked for in rounds: [`Samples::begin`] asks for the first, and as long as
+/// [`Samples::wanted`] are searched, [`Samples::refine`] asks for more.
 pub(crate) struct Samples {
     /// What pixels must have in common to be interpolated: the object and the hard shadow test.
     /// [`NO_KEY`] for those whose value does not matter.
-    pub keys: [u64; TILE * TILE],
-    pub values: [f32; TILE * TILE],
-    known: [bool; TILE * TILE],
+    pub keys: [u32; COUNT],
+    pub values: [f32; COUNT],
+    wanted: [u8; COUNT],
+    wanted_len: usize,
+    known: [bool; COUNT],
+    open: [Group; COUNT],
+    open_len: usize,
+}
+
+/// Pixels in a line, the first and the last of which are known or wanted.
+#[derive(Clone, Copy)]
+struct Group {
+    first: u8,
+    last: u8,
+    /// From one to the next: 1 along a row, [`TILE`] along a column.
+    step: u8,
+}
+
+/// When pixels between two others are interpolated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    /// Pixels of the tile, at most [`TILE`] along each side.
+    pub width: usize,
+    pub height: usize,
+    /// Pixels from one searched column to the next.
+    pub group: usize,
+    /// The greatest difference of the two ends.
+    pub tolerance: f32,
+}
+
+impl Grid {
+    /// The next searched pixel of a line of `count`.
+    fn next(&self, at: usize, count: usize) -> usize {
+        (at + self.group).min(count - 1)
+    }
 }
 
 impl Samples {
     pub const fn new() -> Samples {
         Samples {
-            keys: [NO_KEY; TILE * TILE],
-            values: [0.0; TILE * TILE],
-            known: [false; TILE * TILE],
+            keys: [NO_KEY; COUNT],
+            values: [0.0; COUNT],
+            wanted: [0; COUNT],
+            wanted_len: 0,
+            known: [false; COUNT],
+            open: [Group { first: 0, last: 0, step: 0 }; COUNT],
+            open_len: 0,
         }
     }
 
-    /// Finds the value of every pixel: along every `group`-th column pixel groups with both ends
-    /// searched, split where keys differ, then along all rows between these columns. `width` and
-    /// `height` are at most [`TILE`]; the last group of each line may be smaller.
-    #[inline(always)]
-    pub fn fill(
-        &mut self,
-        group: usize,
-        width: usize,
-        height: usize,
-        mut search: impl FnMut(usize) -> f32,
-    ) {
-        self.known = [false; TILE * TILE];
-        let mut column = 0;
+    /// The pixels to be searched now.
+    pub fn wanted(&self) -> &[u8] {
+        &self.wanted[..self.wanted_len]
+    }
+
+    /// Asks for the ends of all groups along every `group`-th column.
+    pub fn begin(&mut self, grid: &Grid) {
+        self.known = [false; COUNT];
+        self.wanted_len = 0;
+        self.open_len = 0;
+        let mut x = 0;
         loop {
-            self.line(column, TILE, height, group, &mut search);
-            if column + 1 >= width {
-                break;
+            self.want(x);
+            let mut y = 0;
+            while y + 1 < grid.height {
+                let next = grid.next(y, grid.height);
+                self.want(next * TILE + x);
+                self.open(y * TILE + x, next * TILE + x, TILE);
+                y = next;
             }
-            column = (column + group).min(width - 1);
-        }
-        for row in 0..height {
-            self.line(row * TILE, 1, width, group, &mut search);
+            if x + 1 >= grid.width {
+                return;
+            }
+            x = grid.next(x, grid.width);
         }
     }
 
-    /// The `count` pixels from `first` on, `step` apart.
-    #[inline(always)]
-    fn line(
-        &mut self,
-        first: usize,
-        step: usize,
-        count: usize,
-        group: usize,
-        search: &mut impl FnMut(usize) -> f32,
-    ) {
-        let at = |i: usize| first + i * step;
-        self.know(first, search);
-        let mut begin = 0;
-        while begin + 1 < count {
-            let end = (begin + group).min(count - 1);
-            self.know(at(end), search);
-            // The ends of groups that are still to do, the nearest last.
-            let mut ends = [0_usize; 8];
-            ends[0] = end;
-            let mut depth = 1;
-            let mut from = begin;
-            while depth > 0 {
-                let to = ends[depth - 1];
-                if to - from <= 1 {
-                    from = to;
-                    depth -= 1;
-                    continue;
-                }
-                let key = self.keys[at(from)];
-                if (from + 1..=to).all(|i| self.keys[at(i)] == key) {
-                    let (start, stop) = (self.values[at(from)], self.values[at(to)]);
-                    let slope = (stop - start) / (to - from) as f32;
-                    for i in from + 1..to {
-                        if !self.known[at(i)] {
-                            self.values[at(i)] = start + slope * (i - from) as f32;
-                            self.known[at(i)] = true;
-                        }
-                    }
-                    from = to;
-                    depth -= 1;
-                } else {
-                    let middle = (from + to) / 2;
-                    self.know(at(middle), search);
-                    ends[depth] = middle;
-                    depth += 1;
-                }
+    /// Interpolates what the pixels searched so far allow, and asks for the middles of the other
+    /// groups. False once there are none; columns and rows each end that way.
+    pub fn refine(&mut self, grid: &Grid) -> bool {
+        self.wanted_len = 0;
+        let count = self.open_len;
+        if count == 0 {
+            return false;
+        }
+        let groups = self.open;
+        self.open_len = 0;
+        for &Group { first, last, step } in &groups[..count] {
+            let (first, last, step) = (usize::from(first), usize::from(last), usize::from(step));
+            let length = (last - first) / step;
+            if length <= 1 {
+                continue;
             }
-            begin = end;
+            let (start, stop) = (self.values[first], self.values[last]);
+            let key = self.keys[first];
+            let agrees = (first..=last).step_by(step).all(|i| self.keys[i] == key);
+            if agrees && (stop - start).abs() <= grid.tolerance {
+                let slope = (stop - start) / length as f32;
+                for (i, pixel) in (first..last).step_by(step).enumerate().skip(1) {
+                    self.values[pixel] = start + slope * i as f32;
+                    self.known[pixel] = true;
+                }
+            } else {
+                let middle = first + length / 2 * step;
+                self.want(middle);
+                self.open(first, middle, step);
+                self.open(middle, last, step);
+            }
+        }
+        true
+    }
+
+    /// After the columns: the groups along all rows between them.
+    pub fn begin_rows(&mut self, grid: &Grid) {
+        self.wanted_len = 0;
+        self.open_len = 0;
+        for row in 0..grid.height {
+            let mut x = 0;
+            while x + 1 < grid.width {
+                let next = grid.next(x, grid.width);
+                self.open(row * TILE + x, row * TILE + next, 1);
+                x = next;
+            }
         }
     }
 
-    #[inline(always)]
-    fn know(&mut self, pixel: usize, search: &mut impl FnMut(usize) -> f32) {
+    fn open(&mut self, first: usize, last: usize, step: usize) {
+        self.open[self.open_len] = Group { first: first as u8, last: last as u8, step: step as u8 };
+        self.open_len += 1;
+    }
+
+    fn want(&mut self, pixel: usize) {
         if !self.known[pixel] {
-            self.values[pixel] = if self.keys[pixel] == NO_KEY { 0.0 } else { search(pixel) };
             self.known[pixel] = true;
+            self.values[pixel] = 0.0;
+            if self.keys[pixel] != NO_KEY {
+                self.wanted[self.wanted_len] = pixel as u8;
+                self.wanted_len += 1;
+            }
         }
     }
 }

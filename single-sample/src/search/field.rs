@@ -15,6 +15,7 @@ pub(crate) trait Texel: Copy + Sync {
     /// Nearness of the map per nearness of the view.
     fn unit(view: &View) -> f32;
     fn nearness(self) -> f32;
+    fn window(texels: &[Self; WINDOW]) -> [f32; WINDOW];
 }
 
 impl Texel for f32 {
@@ -24,6 +25,10 @@ impl Texel for f32 {
     #[inline(always)]
     fn nearness(self) -> f32 {
         self
+    }
+    #[inline(always)]
+    fn window(texels: &[f32; WINDOW]) -> [f32; WINDOW] {
+        *texels
     }
 }
 
@@ -36,6 +41,14 @@ impl Texel for u32 {
     fn nearness(self) -> f32 {
         // Through a signed number, for which every instruction set has a conversion.
         (self >> 8) as i32 as f32
+    }
+    #[inline(always)]
+    fn window(texels: &[u32; WINDOW]) -> [f32; WINDOW] {
+        let mut window = [0.0; WINDOW];
+        for (nearness, texel) in window.iter_mut().zip(texels) {
+            *nearness = texel.nearness();
+        }
+        window
     }
 }
 
@@ -90,9 +103,13 @@ impl<'a, T: Texel> Field<'a, T> {
             let start = y as usize * self.width as usize + x as usize;
             let texels: &[T; WINDOW] =
                 self.texels[start..].first_chunk().expect("a window lies within its row");
-            texels.map(T::nearness)
+            T::window(texels)
         } else {
-            core::array::from_fn(|i| self.nearness(x.saturating_add(i as i32), y))
+            let mut window = [f32::NAN; WINDOW];
+            for (nearness, x) in window.iter_mut().zip(x..) {
+                *nearness = self.nearness(x, y);
+            }
+            window
         }
     }
 

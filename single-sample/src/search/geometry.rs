@@ -1,5 +1,7 @@
 //! What all receivers of a call share.
 
+use super::reach::Extent;
+use crate::math::sqrt;
 use shadowmap_core::{Bias, Projection, View, Warp};
 
 /// Both views and the light's disc, as receivers need them.
@@ -62,6 +64,16 @@ impl Geometry {
     pub fn stretch(&self, u: f32, v: f32) -> [f32; 2] {
         let tx = (u - self.center[0]) * self.tangent[0];
         let ty = (v - self.center[1]) * self.tangent[1];
-        [crate::math::sqrt(1.0 + tx * tx), crate::math::sqrt(1.0 + ty * ty)]
+        [sqrt(1.0 + tx * tx), sqrt(1.0 + ty * ty)]
+    }
+
+    /// The greatest stretch in any direction of any receiver.
+    pub fn greatest_stretch(&self, extent: &Extent) -> f32 {
+        let square = |[from, to]: [f32; 2], axis: usize| {
+            let from = (from - self.center[axis]) * self.tangent[axis];
+            let to = (to - self.center[axis]) * self.tangent[axis];
+            (from * from).max(to * to)
+        };
+        sqrt(1.0 + (square(extent.u, 0) + square(extent.v, 1)))
     }
 }

@@ -15,7 +15,7 @@
 //! the whole disc gives the circular segment, the falloff of [`crate::disc::disc_fraction`].
 
 use super::receiver::Receiver;
-use super::segments::Segments;
+use super::segments::{LANES, Segments};
 use crate::disc::angle;
 
 /// Numbers in \[8, 16) have a unit of 2^-20 in the last place. Contributions are rounded to it by
@@ -49,23 +49,21 @@ pub(crate) fn contribution(
     (signed + ROUND).to_bits().wrapping_sub(ROUND.to_bits()) as i32
 }
 
-/// The sum over all pieces, which must be padded.
+/// The sum over all pieces.
 #[inline(always)]
 pub(crate) fn sum(r: &Receiver, segments: &Segments) -> i32 {
-    let len = segments.len;
-    let columns = [
-        &segments.x[..len],
-        &segments.y[..len],
-        &segments.half_x[..len],
-        &segments.half_y[..len],
-        &segments.nearness[..len],
-    ];
-    let mut sum = 0_i32;
-    for i in 0..len {
-        let [x, y, half_x, half_y, nearness] = columns.map(|column| column[i]);
-        sum = sum.wrapping_add(contribution(r, x, y, half_x, half_y, nearness));
+    let groups = segments.len.div_ceil(LANES);
+    let [x, y, half_x, half_y, nearness] = segments.groups(groups);
+    let mut sums = [0_i32; LANES];
+    for group in 0..groups {
+        let (x, y, nearness) = (&x[group], &y[group], &nearness[group]);
+        let (half_x, half_y) = (&half_x[group], &half_y[group]);
+        for i in 0..LANES {
+            let part = contribution(r, x[i], y[i], half_x[i], half_y[i], nearness[i]);
+            sums[i] = sums[i].wrapping_add(part);
+        }
     }
-    sum
+    sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
 }
 
 /// The blocked fraction of the disc, in \[0, 1\].

@@ -27,13 +27,19 @@
 //! Contributions are summed as integers, so that neither the order nor the number of lanes nor the
 //! part of the map that is looked at changes a bit.
 
+// Kernels index several arrays in step.
+#![allow(clippy::needless_range_loop)]
+
 mod adaptive;
 mod field;
 mod geometry;
 mod integral;
 mod kernels;
+mod leaves;
 mod naive;
 mod outline;
+mod outlines;
+mod planar;
 mod reach;
 mod receiver;
 mod segments;
@@ -41,6 +47,7 @@ mod soa;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod verdict;
 
 use shadowmap_core::{BandSlice, Bias, Camera, Level, Light, Threads, for_each_band};
 use simd_search::Pyramid;
@@ -63,6 +70,9 @@ pub struct Parameters {
     /// these columns, are interpolated where the pixels see one object and have one hard shadow
     /// test result. The paper's is 4; 1 searches every pixel; at most 15.
     pub group: u32,
+    /// The greatest difference of visibility between the ends of an interpolated group. The paper
+    /// has no such limit: 1.
+    pub tolerance: f32,
     /// Tolerance of the depth comparisons.
     pub bias: Bias,
 }
@@ -70,7 +80,7 @@ pub struct Parameters {
 impl Default for Parameters {
     /// A point light, groups of 5 pixels.
     fn default() -> Self {
-        Parameters { radius: 0.0, group: 4, bias: Bias::default() }
+        Parameters { radius: 0.0, group: 4, tolerance: 0.1, bias: Bias::default() }
     }
 }
 
@@ -154,7 +164,7 @@ fn geometry<T: Texel>(
 }
 
 fn run<T: Texel, V: Visibility>(
-    _level: Level,
+    level: Level,
     threads: Threads,
     camera: &Camera<'_>,
     light: &LightMap<'_>,
@@ -169,12 +179,14 @@ fn run<T: Texel, V: Visibility>(
         return Counters::default();
     }
     let scene = Scene {
+        level,
         camera: *camera,
         field: Field::new(light, texels),
         pyramid: *pyramid,
         geometry: geometry::<T>(camera, light, parameters),
         greatest: pyramid.greatest(0..width, 0..height),
         group: parameters.group.clamp(1, TILE as u32 - 1) as usize,
+        tolerance: parameters.tolerance,
     };
     let tally = Tally::default();
     for_each_band(threads, BandSlice { data: out, len: image * TILE }, &|index, band| {
@@ -182,7 +194,7 @@ fn run<T: Texel, V: Visibility>(
         let mut scratch = Scratch::new();
         let top = index as u32 * TILE as u32;
         for left in (0..image as u32).step_by(TILE) {
-            tile(&kernels::plain, &scene, &mut scratch, [left, top], band.data, &mut counters);
+            tile(&scene, &mut scratch, [left, top], band.data, &mut counters);
         }
         tally.add(&counters);
     });

@@ -2,14 +2,14 @@
 //!
 //! It is the specification of [`super::visibility`] without adaptive sampling, bit for bit.
 
-use shadowmap_core::Camera;
+use glam::Vec3;
+use shadowmap_core::{Camera, Surface, Surfaces};
 
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::integral::{blocked_fraction, contribution};
-use super::receiver::{Receiver, receiver};
+use super::receiver::{Receiver, plane, receiver};
 use super::segments::PIECES;
-use super::tile::surface_of;
 
 /// The visibility at pixel (x, y).
 pub(crate) fn visibility<T: Texel>(
@@ -19,9 +19,19 @@ pub(crate) fn visibility<T: Texel>(
     x: u32,
     y: u32,
 ) -> f32 {
-    let n = camera.map().nearness()[y as usize * camera.map().width() as usize + x as usize];
-    let (_, plane) = surface_of(camera, geometry, x, y, n);
-    let receiver = receiver(geometry, x as f32 + 0.5, y as f32 + 0.5, n, plane);
+    let index = y as usize * camera.map().width() as usize + x as usize;
+    let n = camera.map().nearness()[index];
+    let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
+    let through = |normal: Vec3| plane(geometry, px, py, n, normal.to_array());
+    let plane = match camera.surfaces() {
+        Surfaces::FromDepth => camera.plane(x, y, n).1.0,
+        Surfaces::Normals(normals) => through(normals[index]),
+        Surfaces::Table(table) => {
+            let surface = table.get(camera.map().id(x, y) as usize);
+            through(surface.unwrap_or(&Surface::UNKNOWN).normal)
+        }
+    };
+    let receiver = receiver(geometry, px, py, n, plane);
     if receiver.sky <= 0.0 {
         return 0.0;
     }

@@ -11,6 +11,15 @@ pub(crate) struct Places {
     pub rows: [i32; 2],
 }
 
+impl Places {
+    /// Texel coordinates around all texels of the places.
+    pub fn corners(&self) -> [[f32; 2]; 4] {
+        let [left, right] = [self.columns[0] as f32, self.columns[1] as f32 + 1.0];
+        let [top, bottom] = [self.rows[0] as f32, self.rows[1] as f32 + 1.0];
+        [[left, top], [right, top], [left, bottom], [right, bottom]]
+    }
+}
+
 /// How an attempt at an outline ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
@@ -23,10 +32,9 @@ pub(crate) enum Outcome {
 }
 
 /// Places in a row that are looked at together.
-const STRIP: i32 = 63;
+pub(crate) const STRIP: i32 = 48;
 
-/// Adds the outline within `places` to `segments`, and pads them. When they are full, `flush` may
-/// empty them; if it does not, the attempt ends.
+/// Adds the outline within `places`, no wider than [`STRIP`], to `segments`.
 #[inline(always)]
 pub(crate) fn outline<T: Texel>(
     ops: &impl Ops,
@@ -34,40 +42,31 @@ pub(crate) fn outline<T: Texel>(
     test: &Test,
     places: Places,
     segments: &mut Segments,
-    mut flush: impl FnMut(&mut Segments),
 ) -> Outcome {
-    let [left, right] = places.columns;
+    let [x, end] = places.columns;
     let [top, bottom] = places.rows;
-    let mut x = left;
-    while x < right {
-        let count = (right - x).min(STRIP);
-        let Some(mut upper) = blocking(ops, field, test, x, top, count + 1) else {
+    let count = end - x;
+    let Some(mut upper) = blocking(ops, field, test, x, top, count + 1) else {
+        return Outcome::Ambiguous;
+    };
+    for y in top..bottom {
+        let Some(lower) = blocking(ops, field, test, x, y + 1, count + 1) else {
             return Outcome::Ambiguous;
         };
-        for y in top..bottom {
-            let Some(lower) = blocking(ops, field, test, x, y + 1, count + 1) else {
-                return Outcome::Ambiguous;
-            };
-            let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
-            let mut places = differs & !(u64::MAX << count);
-            while places != 0 {
-                let i = places.trailing_zeros();
-                places &= places - 1;
-                let (two, next) = (upper >> i & 3, lower >> i & 3);
-                let code = (two | next >> 1 << 2 | (next & 1) << 3) as usize;
-                if segments.is_full() {
-                    flush(segments);
-                    if segments.is_full() {
-                        return Outcome::Full;
-                    }
-                }
-                add(field, x + i as i32, y, code, segments);
+        let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
+        let mut places = differs & !(u64::MAX << count);
+        while places != 0 {
+            let i = places.trailing_zeros();
+            places &= places - 1;
+            let (two, next) = (upper >> i & 3, lower >> i & 3);
+            let code = (two | next >> 1 << 2 | (next & 1) << 3) as usize;
+            if segments.is_full() {
+                return Outcome::Full;
             }
-            upper = lower;
+            add(field, x + i as i32, y, code, segments);
         }
-        x += STRIP;
+        upper = lower;
     }
-    segments.pad();
     Outcome::Complete
 }
 

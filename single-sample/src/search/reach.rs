@@ -10,8 +10,23 @@ use super::outline::Places;
 pub(crate) struct Extent {
     pub u: [f32; 2],
     pub v: [f32; 2],
-    /// The least of their nearness.
-    pub nearness: f32,
+    pub nearness: [f32; 2],
+}
+
+impl Extent {
+    /// That of no receivers.
+    pub const EMPTY: Extent = Extent {
+        u: [f32::INFINITY, f32::NEG_INFINITY],
+        v: [f32::INFINITY, f32::NEG_INFINITY],
+        nearness: [f32::INFINITY, f32::NEG_INFINITY],
+    };
+
+    #[inline(always)]
+    pub fn add(&mut self, u: f32, v: f32, nearness: f32) {
+        self.u = [self.u[0].min(u), self.u[1].max(u)];
+        self.v = [self.v[0].min(v), self.v[1].max(v)];
+        self.nearness = [self.nearness[0].min(nearness), self.nearness[1].max(nearness)];
+    }
 }
 
 /// The places that the receivers' discs reach, by the nearest depth there.
@@ -20,42 +35,49 @@ pub(crate) struct Reach {
     pub places: Places,
     /// Whether they go past the map's border.
     pub is_cut: bool,
+    /// The nearest depth that was assumed.
+    pub greatest: f32,
 }
 
 impl Reach {
-    /// `None` if nothing in reach is nearer to the light than the receivers. `greatest` is the
-    /// nearest depth of the whole map.
+    /// Where blockers no nearer than `greatest` can matter; `None` if nowhere.
     #[inline(always)]
-    pub fn new(
+    pub fn within(
         g: &Geometry,
-        pyramid: &Pyramid<'_>,
         greatest: f32,
         [width, height]: [i32; 2],
         extent: &Extent,
     ) -> Option<Reach> {
+        let nearer = greatest - extent.nearness[0];
+        // False for NaN.
+        let blockers_are_possible = nearer > 0.0;
+        if !blockers_are_possible {
+            return None;
+        }
         let (a, b) = (g.stretch(extent.u[0], extent.v[0]), g.stretch(extent.u[1], extent.v[1]));
         let stretch = [a[0].max(b[0]), a[1].max(b[1])];
-        let mut greatest = greatest;
-        let mut reach = Reach { places: Places { columns: [0; 2], rows: [0; 2] }, is_cut: false };
-        // The first box is bounded by the nearest depth of all, the next by the nearest in it.
-        for round in 0..3 {
-            let nearer = greatest - extent.nearness;
-            // False for NaN.
-            let blockers_are_possible = nearer > 0.0;
-            if !blockers_are_possible {
-                return None;
-            }
-            let (columns, cut_u) = range(extent.u, nearer * (g.spread[0] * stretch[0]), width);
-            let (rows, cut_v) = range(extent.v, nearer * (g.spread[1] * stretch[1]), height);
-            if columns[0] >= columns[1] || rows[0] >= rows[1] {
-                return None;
-            }
-            reach.places = Places { columns, rows };
-            reach.is_cut = cut_u || cut_v;
-            if round < 2 {
-                let texels = |range: [i32; 2]| range[0].max(0) as u32..(range[1] + 1) as u32;
-                greatest = greatest.min(pyramid.greatest(texels(columns), texels(rows)));
-            }
+        let (columns, cut_u) = range(extent.u, nearer * (g.spread[0] * stretch[0]), width);
+        let (rows, cut_v) = range(extent.v, nearer * (g.spread[1] * stretch[1]), height);
+        let is_empty = columns[0] >= columns[1] || rows[0] >= rows[1];
+        let places = Places { columns, rows };
+        (!is_empty).then_some(Reach { places, is_cut: cut_u || cut_v, greatest })
+    }
+
+    /// The same, with what the pyramid knows of the nearest depth. `greatest` is that of the
+    /// whole map.
+    pub fn new(
+        g: &Geometry,
+        pyramid: &Pyramid<'_>,
+        greatest: f32,
+        size: [i32; 2],
+        extent: &Extent,
+    ) -> Option<Reach> {
+        let mut reach = Reach::within(g, greatest, size, extent)?;
+        for _ in 0..2 {
+            let texels = |range: [i32; 2]| range[0].max(0) as u32..(range[1] + 1) as u32;
+            let (columns, rows) = (texels(reach.places.columns), texels(reach.places.rows));
+            let nearest = pyramid.greatest(columns, rows);
+            reach = Reach::within(g, reach.greatest.min(nearest), size, extent)?;
         }
         Some(reach)
     }

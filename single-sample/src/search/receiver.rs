@@ -95,10 +95,52 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
     }
 }
 
+/// How much the directions of planes that count as one may differ.
+const SAME_DIRECTION: f32 = 1.0 / 131072.0;
+
 impl Receiver {
+    /// One that sees nothing of the light.
+    pub const NOTHING: Receiver = Receiver {
+        u: NOWHERE,
+        v: NOWHERE,
+        nearness: -NOWHERE,
+        hu: 0.0,
+        hv: 0.0,
+        hn: 0.0,
+        above: 0.0,
+        sky: 0.0,
+        qxx: 0.0,
+        qxy: 0.0,
+        qyy: 0.0,
+        area: 0.0,
+    };
+
+    /// Whether it has a place in the light's view.
+    #[inline(always)]
+    pub fn is_somewhere(&self) -> bool {
+        self.u > NOWHERE
+    }
+
     /// Whether a texel with centre (s, t) blocks part of what this receiver could see.
     #[inline(always)]
     pub fn is_blocked_by(&self, s: f32, t: f32, nearness: f32) -> bool {
         self.hn * nearness > (self.above - self.hv * t) - self.hu * s && nearness > self.nearness
+    }
+
+    /// Whether both planes have one direction, and about one place.
+    #[inline(always)]
+    pub fn is_on_plane_of(&self, other: &Receiver) -> bool {
+        let size = other.hu.abs() + other.hv.abs();
+        (self.hu - other.hu).abs() <= size * SAME_DIRECTION
+            && (self.hv - other.hv).abs() <= size * SAME_DIRECTION
+            && (self.hn - other.hn).abs() <= other.hn.abs() * SAME_DIRECTION
+            && (self.above - other.above).abs() <= other.above.abs() * (1.0 / 16384.0)
+    }
+
+    /// By how much [`Receiver::above`] may be off, anywhere in a map of that size, for those that
+    /// are [`Receiver::is_on_plane_of`] this.
+    pub fn plane_room(&self, [width, height]: [i32; 2]) -> f32 {
+        let far = (self.hu.abs() + self.hv.abs()) * (width + height) as f32;
+        (far + self.above.abs()) * (2.0 * SAME_DIRECTION)
     }
 }

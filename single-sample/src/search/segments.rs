@@ -91,7 +91,7 @@ impl Segments {
         Segments { x: zero, y: zero, half_x: zero, half_y: zero, nearness: zero, len: 0 }
     }
 
-    /// Whether another four texels' pieces, and what [`Segments::pad`] adds, may not fit.
+    /// Whether the pieces of another four texels, and padding, may not fit.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.len + 2 + LANES > CAPACITY
@@ -106,11 +106,26 @@ impl Segments {
         self.len += 1;
     }
 
-    /// Fills up to whole groups of lanes with pieces that count for nothing.
+    /// Fills up to whole groups of lanes with pieces that count for nothing, until the next piece
+    /// is added.
     #[inline(always)]
     pub fn pad(&mut self) {
+        let len = self.len;
         while !self.len.is_multiple_of(LANES) {
             self.push([0.0; 2], [0.0; 2], f32::NEG_INFINITY);
         }
+        self.len = len;
+    }
+
+    /// The first `count` groups of lanes of x, y, half_x, half_y and nearness.
+    #[inline(always)]
+    pub fn groups(&self, count: usize) -> [&[[f32; LANES]]; 5] {
+        [
+            &self.x.as_chunks().0[..count],
+            &self.y.as_chunks().0[..count],
+            &self.half_x.as_chunks().0[..count],
+            &self.half_y.as_chunks().0[..count],
+            &self.nearness.as_chunks().0[..count],
+        ]
     }
 }

@@ -1,25 +1,27 @@
 //! The receivers of one tile, as structures of arrays.
 
-use super::adaptive::TILE;
+use super::adaptive::{COUNT, TILE};
 use super::geometry::Geometry;
-use super::receiver::{Receiver, receiver};
+use super::kernels::{Ops, Work};
+use super::receiver::{Receiver, plane, receiver};
 
-const COUNT: usize = TILE * TILE;
+/// A value per pixel.
+pub(crate) type Lane = [f32; COUNT];
 
 /// Every field of [`Receiver`], pixel by pixel.
 pub(crate) struct Receivers {
-    pub u: [f32; COUNT],
-    pub v: [f32; COUNT],
-    pub nearness: [f32; COUNT],
-    pub hu: [f32; COUNT],
-    pub hv: [f32; COUNT],
-    pub hn: [f32; COUNT],
-    pub above: [f32; COUNT],
-    pub sky: [f32; COUNT],
-    qxx: [f32; COUNT],
-    qxy: [f32; COUNT],
-    qyy: [f32; COUNT],
-    area: [f32; COUNT],
+    pub u: Lane,
+    pub v: Lane,
+    pub nearness: Lane,
+    pub hu: Lane,
+    pub hv: Lane,
+    pub hn: Lane,
+    pub above: Lane,
+    pub sky: Lane,
+    qxx: Lane,
+    qxy: Lane,
+    qyy: Lane,
+    area: Lane,
 }
 
 impl Receivers {
@@ -41,34 +43,20 @@ impl Receivers {
         }
     }
 
-    /// Sets row `row`, whose first pixel's centre is (x, y), from nearness and planes.
     #[inline(always)]
-    pub fn set_row(
-        &mut self,
-        g: &Geometry,
-        row: usize,
-        [x, y]: [f32; 2],
-        nearness: &[f32; TILE],
-        planes: &[[f32; TILE]; 4],
-    ) {
-        let start = row * TILE;
-        for i in 0..TILE {
-            let plane = [planes[0][i], planes[1][i], planes[2][i], planes[3][i]];
-            let r = receiver(g, x + i as f32, y, nearness[i], plane);
-            let k = start + i;
-            self.u[k] = r.u;
-            self.v[k] = r.v;
-            self.nearness[k] = r.nearness;
-            self.hu[k] = r.hu;
-            self.hv[k] = r.hv;
-            self.hn[k] = r.hn;
-            self.above[k] = r.above;
-            self.sky[k] = r.sky;
-            self.qxx[k] = r.qxx;
-            self.qxy[k] = r.qxy;
-            self.qyy[k] = r.qyy;
-            self.area[k] = r.area;
-        }
+    fn set(&mut self, i: usize, r: &Receiver) {
+        self.u[i] = r.u;
+        self.v[i] = r.v;
+        self.nearness[i] = r.nearness;
+        self.hu[i] = r.hu;
+        self.hv[i] = r.hv;
+        self.hn[i] = r.hn;
+        self.above[i] = r.above;
+        self.sky[i] = r.sky;
+        self.qxx[i] = r.qxx;
+        self.qxy[i] = r.qxy;
+        self.qyy[i] = r.qyy;
+        self.area[i] = r.area;
     }
 
     #[inline(always)]
@@ -86,6 +74,45 @@ impl Receivers {
             qxy: self.qxy[i],
             qyy: self.qyy[i],
             area: self.area[i],
+        }
+    }
+}
+
+/// What the camera sees in a tile.
+pub(crate) struct Pixels {
+    pub nearness: Lane,
+    /// The planes, or their normals if `planes_are_normals`.
+    pub planes: [Lane; 4],
+    pub planes_are_normals: bool,
+    pub ids: [u32; COUNT],
+}
+
+impl Pixels {
+    pub const fn new() -> Pixels {
+        let zero = [0.0; COUNT];
+        Pixels { nearness: zero, planes: [zero; 4], planes_are_normals: true, ids: [0; COUNT] }
+    }
+}
+
+/// Sets the receivers of a tile's pixels, the first of which has its centre at `first`.
+pub(crate) struct SetReceivers<'a> {
+    pub geometry: &'a Geometry,
+    pub first: [f32; 2],
+    pub pixels: &'a Pixels,
+    pub receivers: &'a mut Receivers,
+}
+
+impl Work for SetReceivers<'_> {
+    #[inline(always)]
+    fn run(self, _: &impl Ops) {
+        let SetReceivers { geometry: g, first: [left, top], pixels, receivers } = self;
+        let [a, b, c, d] = &pixels.planes;
+        for i in 0..COUNT {
+            let (x, y) = (left + (i % TILE) as f32, top + (i / TILE) as f32);
+            let n = pixels.nearness[i];
+            let through = plane(g, x, y, n, [a[i], b[i], c[i]]);
+            let d = if pixels.planes_are_normals { through[3] } else { d[i] };
+            receivers.set(i, &receiver(g, x, y, n, [a[i], b[i], c[i], d]));
         }
     }
 }

@@ -1,82 +1,58 @@
 //! One tile of the image: decided as a whole where possible, else pixel by pixel.
 
-use shadowmap_core::{Camera, Surfaces};
+use shadowmap_core::{Camera, Level, Surface, Surfaces};
 use simd_search::Pyramid;
 
-use super::adaptive::{NO_KEY, Samples, TILE};
-use super::field::{Field, Test, Texel};
+use super::adaptive::{COUNT, Grid, Samples, TILE};
+use super::field::{Field, Texel};
 use super::geometry::Geometry;
-use super::integral::{blocked_fraction, sum};
-use super::kernels::Ops;
-use super::outline::{Outcome, outline};
+use super::kernels;
+use super::leaves::{FindBlockers, LeafTest};
+use super::outline::Places;
+use super::outlines::{Outlines, SearchTile};
+use super::planar::{FindPlanar, Planar};
 use super::reach::{Extent, Reach};
-use super::receiver::{Receiver, plane};
-use super::segments::Segments;
-use super::soa::Receivers;
+use super::soa::{Pixels, Receivers, SetReceivers};
+use super::verdict::{FindExtent, FindLeast, margin};
 use crate::{Counters, Visibility};
 
 /// What all tiles of a call share.
 pub(crate) struct Scene<'a, T> {
+    pub level: Level,
     pub camera: Camera<'a>,
     pub field: Field<'a, T>,
     pub pyramid: Pyramid<'a>,
     pub geometry: Geometry,
     /// The nearest depth of the whole map.
     pub greatest: f32,
-    /// Pixels between searched columns.
+    /// Pixels from one searched column to the next.
     pub group: usize,
+    /// Greatest difference between the ends of an interpolated group.
+    pub tolerance: f32,
 }
 
 /// Memory for one tile at a time.
 pub(crate) struct Scratch {
+    pixels: Pixels,
     receivers: Receivers,
     samples: Samples,
-    own: Segments,
-    ids: [u32; TILE * TILE],
+    outlines: Outlines,
 }
 
 impl Scratch {
     pub const fn new() -> Scratch {
         Scratch {
+            pixels: Pixels::new(),
             receivers: Receivers::new(),
             samples: Samples::new(),
-            own: Segments::new(),
-            ids: [0; TILE * TILE],
+            outlines: Outlines::new(),
         }
     }
 }
 
-/// Object ID and plane of pixel (x, y).
-#[inline(always)]
-pub(crate) fn surface_of(
-    camera: &Camera<'_>,
-    g: &Geometry,
-    x: u32,
-    y: u32,
-    n: f32,
-) -> (u32, [f32; 4]) {
-    let id = camera.map().id(x, y);
-    let (id, normal) = match camera.surfaces() {
-        Surfaces::FromDepth => {
-            let (id, plane) = camera.plane(x, y, n);
-            return (id, plane.0);
-        }
-        Surfaces::Normals(normals) => {
-            (id, normals[y as usize * camera.map().width() as usize + x as usize])
-        }
-        Surfaces::Table(table) => match table.get(id as usize) {
-            Some(surface) => (surface.id, surface.normal),
-            None => (0, glam::Vec3::ZERO),
-        },
-    };
-    (id, plane(g, x as f32 + 0.5, y as f32 + 0.5, n, normal.to_array()))
-}
-
 /// Writes the visibility of the tile whose first pixel is (left, top) to `out`, rows of the
 /// camera's whole width that begin with row `top`.
-#[inline(always)]
 pub(crate) fn tile<T: Texel, V: Visibility>(
-    ops: &impl Ops,
     scene: &Scene<'_, T>,
     scratch: &mut Scratch,
     [left, top]: [u32; 2],
@@ -84,50 +60,47 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     counters: &mut Counters,
 ) {
     let image = scene.camera.map().width() as usize;
-    let width = (image - left as usize).min(TILE);
-    let height = (out.len() / image).min(TILE);
-    set_receivers(scene, scratch, [left, top], [width, height], counters);
-    let Scratch { receivers, samples, own, ids } = scratch;
-
-    let mut extent = Extent {
-        u: [f32::INFINITY, f32::NEG_INFINITY],
-        v: [f32::INFINITY, f32::NEG_INFINITY],
-        nearness: f32::INFINITY,
+    let grid = Grid {
+        width: (image - left as usize).min(TILE),
+        height: (out.len() / image).min(TILE),
+        group: scene.group,
+        tolerance: scene.tolerance,
     };
-    for row in 0..height {
-        for i in row * TILE..row * TILE + width {
-            if receivers.sky[i] > 0.0 {
-                let (u, v) = (receivers.u[i], receivers.v[i]);
-                extent.u = [extent.u[0].min(u), extent.u[1].max(u)];
-                extent.v = [extent.v[0].min(v), extent.v[1].max(v)];
-                extent.nearness = extent.nearness.min(receivers.nearness[i]);
-            }
-        }
-    }
-    let size = [scene.field.width, scene.field.height];
-    let reach = Reach::new(&scene.geometry, &scene.pyramid, scene.greatest, size, &extent);
     counters.tiles += 1;
-    if reach.is_some() {
-        for row in 0..height {
-            for i in row * TILE..row * TILE + width {
-                samples.keys[i] = if receivers.sky[i] > 0.0 {
-                    let hard = scene.field.hides_center(&receivers.get(i));
-                    (u64::from(ids[i]) << 1 | u64::from(hard)) + 1
-                } else {
-                    NO_KEY
-                };
-            }
+    if let Some(visible) = whole(scene, [left, top], &grid) {
+        counters.decided_tiles += 1;
+        counters.receivers += (grid.width * grid.height) as u32;
+        for row in 0..grid.height {
+            out[row * image + left as usize..][..grid.width].fill(V::from_unit(visible));
         }
-        samples.fill(scene.group, width, height, |i| {
-            counters.searches += 1;
-            own_search(ops, scene, &receivers.get(i), own, counters)
-        });
+        return;
+    }
+    let Scratch { pixels, receivers, samples, outlines } = scratch;
+    set_pixels(&scene.camera, [left, top], &grid, pixels, counters);
+    let first = [left as f32 + 0.5, top as f32 + 0.5];
+    let geometry = &scene.geometry;
+    kernels::run(scene.level, SetReceivers { geometry, first, pixels, receivers });
+    count_outside(&scene.field, receivers, counters);
+    if let Some(greatest) = greatest_that_may_block(scene, receivers) {
+        let work = SearchTile {
+            geometry,
+            field: &scene.field,
+            pyramid: &scene.pyramid,
+            receivers,
+            ids: &pixels.ids,
+            grid: &grid,
+            greatest,
+            samples,
+            outlines,
+            counters,
+        };
+        kernels::run(scene.level, work);
     } else {
         counters.decided_tiles += 1;
-        samples.values = [0.0; TILE * TILE];
+        samples.values = [0.0; COUNT];
     }
-    for row in 0..height {
-        let out = &mut out[row * image + left as usize..][..width];
+    for row in 0..grid.height {
+        let out = &mut out[row * image + left as usize..][..grid.width];
         for (i, out) in out.iter_mut().enumerate() {
             let k = row * TILE + i;
             let visible = receivers.sky[k] - samples.values[k];
@@ -136,72 +109,113 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     }
 }
 
-/// The blocked fraction of one receiver's disc, from an outline of its own.
-#[inline(always)]
-fn own_search<T: Texel>(
-    ops: &impl Ops,
-    scene: &Scene<'_, T>,
-    receiver: &Receiver,
-    segments: &mut Segments,
-    counters: &mut Counters,
-) -> f32 {
-    let Receiver { u, v, nearness, .. } = *receiver;
-    let extent = Extent { u: [u; 2], v: [v; 2], nearness };
+/// The visibility of a tile that shows one plane, if it is all lit or turned away from the light.
+fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Option<f32> {
+    let geometry = &scene.geometry;
+    let mut found = None;
+    let camera = &scene.camera;
+    kernels::run(scene.level, FindPlanar { camera, geometry, pixel, grid, found: &mut found });
+    let Planar { first, extent } = found?;
     let size = [scene.field.width, scene.field.height];
-    let Some(reach) = Reach::new(&scene.geometry, &scene.pyramid, scene.greatest, size, &extent)
-    else {
-        return 0.0;
+    // Of the disc in units of its radius; beyond 1 by more than rounding errors.
+    let horizon = first.hn * geometry.unit / geometry.radius;
+    if horizon < -1.0001 {
+        return Some(0.0);
+    }
+    // Pixels outside the map are counted one by one.
+    let is_inside = extent.u[0] >= 0.0
+        && extent.v[0] >= 0.0
+        && extent.u[1] < size[0] as f32
+        && extent.v[1] < size[1] as f32;
+    if !is_inside || horizon.is_nan() || horizon <= 1.0001 {
+        return None;
+    }
+    let Some(reach) = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent) else {
+        return Some(1.0);
     };
-    counters.cut_by_border += u32::from(reach.is_cut);
-    segments.len = 0;
-    let mut total = 0_i32;
-    let outcome = outline(ops, &scene.field, &Test::of(receiver), reach.places, segments, |full| {
-        full.pad();
-        total = total.wrapping_add(sum(receiver, full));
-        full.len = 0;
-    });
-    debug_assert_eq!(outcome, Outcome::Complete);
-    total = total.wrapping_add(sum(receiver, segments));
-    blocked_fraction(scene.field.hides_center(receiver), total)
+    let test = LeafTest::new(geometry, &extent, &first, margin(&first));
+    (!may_block(scene, test, reach.places)).then_some(1.0)
 }
 
-/// Sets receivers and IDs of a tile.
-#[inline(always)]
-fn set_receivers<T: Texel>(
-    scene: &Scene<'_, T>,
-    scratch: &mut Scratch,
+/// The nearest depth in reach of a tile's receivers; `None` if surely nothing blocks them.
+fn greatest_that_may_block<T: Texel>(scene: &Scene<'_, T>, receivers: &Receivers) -> Option<f32> {
+    let (level, geometry) = (scene.level, &scene.geometry);
+    let mut extent = Extent::EMPTY;
+    kernels::run(level, FindExtent { receivers, extent: &mut extent });
+    let size = [scene.field.width, scene.field.height];
+    let reach = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent)?;
+    let plane = (0..COUNT).find(|&i| receivers.sky[i] > 0.0 && receivers.hn[i] > 0.0);
+    if let Some(plane) = plane {
+        let plane = receivers.get(plane);
+        let corners = reach.places.corners();
+        let mut least = 0.0;
+        kernels::run(level, FindLeast { receivers, plane: &plane, corners, least: &mut least });
+        if !may_block(scene, LeafTest::new(geometry, &extent, &plane, least), reach.places) {
+            return None;
+        }
+    }
+    Some(reach.greatest)
+}
+
+/// Whether some leaf of the pyramid may hold blockers.
+fn may_block<T: Texel>(scene: &Scene<'_, T>, test: LeafTest, places: Places) -> bool {
+    let mut found = false;
+    let pyramid = &scene.pyramid;
+    kernels::run(scene.level, FindBlockers { pyramid, test, places, found: &mut found });
+    found
+}
+
+/// Counts the receivers outside the map.
+fn count_outside<T: Texel>(field: &Field<'_, T>, receivers: &Receivers, counters: &mut Counters) {
+    let (width, height) = (field.width as f32, field.height as f32);
+    for i in 0..COUNT {
+        let (u, v) = (receivers.u[i], receivers.v[i]);
+        let inside = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
+        counters.outside += u32::from(!inside & (receivers.sky[i] > 0.0));
+    }
+}
+
+/// Reads what the camera sees. Pixels beyond the image see nothing.
+fn set_pixels(
+    camera: &Camera<'_>,
     [left, top]: [u32; 2],
-    [width, height]: [usize; 2],
+    grid: &Grid,
+    pixels: &mut Pixels,
     counters: &mut Counters,
 ) {
-    let Scratch { receivers, ids, .. } = scratch;
-    let (camera, g) = (&scene.camera, &scene.geometry);
     let image = camera.map().width() as usize;
-    for row in 0..height {
-        let y = top + row as u32;
-        let mut nearness = [0.0; TILE];
-        let mut planes = [[0.0; TILE]; 4];
-        let start = y as usize * image + left as usize;
-        nearness[..width].copy_from_slice(&camera.map().nearness()[start..][..width]);
-        for i in 0..width {
-            if nearness[i] > 0.0 {
-                counters.receivers += 1;
-                let (id, plane) = surface_of(camera, g, left + i as u32, y, nearness[i]);
-                ids[row * TILE + i] = id;
-                for (lane, value) in planes.iter_mut().zip(plane) {
-                    lane[i] = value;
-                }
+    pixels.nearness = [0.0; COUNT];
+    pixels.planes_are_normals = !matches!(camera.surfaces(), Surfaces::FromDepth);
+    for row in 0..grid.height {
+        let start = (top as usize + row) * image + left as usize;
+        let nearness = &camera.map().nearness()[start..][..grid.width];
+        for (i, &nearness) in nearness.iter().enumerate() {
+            let k = row * TILE + i;
+            if nearness.is_nan() || nearness <= 0.0 {
+                continue;
             }
-        }
-        let first = [left as f32 + 0.5, y as f32 + 0.5];
-        receivers.set_row(g, row, first, &nearness, &planes);
-        for i in row * TILE..row * TILE + width {
-            let (u, v) = (receivers.u[i], receivers.v[i]);
-            let inside = u >= 0.0
-                && v >= 0.0
-                && u < scene.field.width as f32
-                && v < scene.field.height as f32;
-            counters.outside += u32::from(!inside && receivers.sky[i] > 0.0);
+            counters.receivers += 1;
+            pixels.nearness[k] = nearness;
+            let id = camera.map().ids().get(start + i).copied().unwrap_or(0);
+            let surface = match camera.surfaces() {
+                Surfaces::FromDepth => {
+                    let (x, y) = (left + i as u32, top + row as u32);
+                    let (id, plane) = camera.plane(x, y, nearness);
+                    pixels.ids[k] = id;
+                    for (lane, value) in pixels.planes.iter_mut().zip(plane.0) {
+                        lane[k] = value;
+                    }
+                    continue;
+                }
+                Surfaces::Normals(normals) => Surface { normal: normals[start + i], id },
+                Surfaces::Table(table) => {
+                    table.get(id as usize).copied().unwrap_or(Surface::UNKNOWN)
+                }
+            };
+            pixels.ids[k] = surface.id;
+            for (lane, value) in pixels.planes.iter_mut().zip(surface.normal.to_array()) {
+                lane[k] = value;
+            }
         }
     }
 }

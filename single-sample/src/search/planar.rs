@@ -1,0 +1,115 @@
+//! Tiles of the image that show one plane and nothing else: most of them.
+
+use shadowmap_core::{Camera, Surface, Surfaces};
+
+use super::adaptive::{Grid, TILE};
+use super::geometry::Geometry;
+use super::kernels::{Ops, Work};
+use super::reach::Extent;
+use super::receiver::{Receiver, plane, receiver};
+
+/// How much nearness may differ from the plane, relatively.
+const FLAT: f32 = 1.0 / 131072.0;
+
+/// What is known of a planar tile.
+pub(crate) struct Planar {
+    /// The receiver of its first pixel.
+    pub first: Receiver,
+    pub extent: Extent,
+}
+
+/// Looks whether a tile shows one plane, by its surface and the nearness of all pixels.
+pub(crate) struct FindPlanar<'a> {
+    pub camera: &'a Camera<'a>,
+    pub geometry: &'a Geometry,
+    /// The first pixel.
+    pub pixel: [u32; 2],
+    pub grid: &'a Grid,
+    pub found: &'a mut Option<Planar>,
+}
+
+impl Work for FindPlanar<'_> {
+    #[inline(always)]
+    fn run(self, _: &impl Ops) {
+        *self.found = self.find();
+    }
+}
+
+impl FindPlanar<'_> {
+    #[inline(always)]
+    fn find(&self) -> Option<Planar> {
+        let Grid { width, height, .. } = *self.grid;
+        let [left, top] = self.pixel;
+        let map = self.camera.map();
+        let image = map.width() as usize;
+        let start = top as usize * image + left as usize;
+        let nearness = |x: usize, y: usize| map.nearness()[start + y * image + x];
+        if width < TILE {
+            return None;
+        }
+        let normal = self.normal(start, height)?;
+
+        // Nearness is affine in the image on a plane.
+        let first = nearness(0, 0);
+        let (last_x, last_y) = (width - 1, height - 1);
+        let dx = (nearness(last_x, 0) - first) / last_x as f32;
+        let dy = if height > 1 { (nearness(0, last_y) - first) / last_y as f32 } else { 0.0 };
+        let mut is_flat = [true; TILE];
+        for y in 0..height {
+            let row: &[f32; TILE] = map.nearness()[start + y * image..].first_chunk()?;
+            for x in 0..TILE {
+                let n = row[x];
+                let off = n - (first + (dx * x as f32 + dy * y as f32));
+                is_flat[x] &= (n > 0.0) & (off.abs() <= FLAT * n);
+            }
+        }
+        if is_flat.contains(&false) {
+            return None;
+        }
+        let mut extent = Extent::EMPTY;
+        let at = |x: usize, y: usize| {
+            let (px, py) = ((left as usize + x) as f32 + 0.5, (top as usize + y) as f32 + 0.5);
+            let n = nearness(x, y);
+            receiver(self.geometry, px, py, n, plane(self.geometry, px, py, n, normal))
+        };
+        let corners = [at(0, 0), at(last_x, 0), at(0, last_y), at(last_x, last_y)];
+        for corner in &corners {
+            if !corner.is_somewhere() {
+                return None;
+            }
+            extent.add(corner.u, corner.v, corner.nearness);
+        }
+        Some(Planar { first: corners[0], extent })
+    }
+
+    /// The normal of all pixels of the tile.
+    #[inline(always)]
+    fn normal(&self, start: usize, height: usize) -> Option<[f32; 3]> {
+        let map = self.camera.map();
+        let image = map.width() as usize;
+        match self.camera.surfaces() {
+            Surfaces::Table(table) => {
+                let first = *map.ids().get(start)?;
+                let mut is_same = [true; TILE];
+                for y in 0..height {
+                    let row: &[u32; TILE] = map.ids()[start + y * image..].first_chunk()?;
+                    for x in 0..TILE {
+                        is_same[x] &= row[x] == first;
+                    }
+                }
+                let surface = table.get(first as usize).unwrap_or(&Surface::UNKNOWN);
+                (!is_same.contains(&false)).then(|| surface.normal.to_array())
+            }
+            Surfaces::Normals(normals) => {
+                let first = normals[start];
+                let mut is_same = true;
+                for y in 0..height {
+                    let row = &normals[start + y * image..][..TILE];
+                    is_same &= row.iter().all(|normal| *normal == first);
+                }
+                is_same.then(|| first.to_array())
+            }
+            Surfaces::FromDepth => None,
+        }
+    }
+}
