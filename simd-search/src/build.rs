@@ -48,7 +48,8 @@ impl Bounds {
         let steep = slope[0].abs() * half[0] + slope[1].abs() * half[1];
         // Infinities stay what they are.
         let room = |bound: f32| if bound.is_finite() { ROOM * (bound.abs() + steep) } else { 0.0 };
-        Bounds { slope, low: low - room(low), high: high + room(high) }
+        // Adding 0 last makes every zero positive, whichever came first.
+        Bounds { slope, low: (low - room(low)) + 0.0, high: (high + room(high)) + 0.0 }
     }
 
     #[inline(always)]

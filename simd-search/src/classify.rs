@@ -60,7 +60,9 @@ pub(crate) fn classify(
     ids: IdTest,
 ) -> Verdict {
     let layout = &pyramid.layout;
-    if layout.width > EXACT_EXTENT || layout.height > EXACT_EXTENT {
+    let [[left, right], [top, bottom]] = [reach.u, reach.v];
+    let known = (right - left) + (bottom - top) + reach.radius;
+    if known.is_nan() || layout.width > EXACT_EXTENT || layout.height > EXACT_EXTENT {
         return Verdict::Mixed;
     }
     let around = |[from, to]: [f32; 2], size| {

@@ -14,6 +14,7 @@ mod query;
 mod reach;
 mod search;
 mod traverse;
+mod visits;
 
 use kernels::{Job, run};
 use shadowmap_core::Level;
@@ -23,6 +24,7 @@ pub use map::Map;
 pub use pyramid::{IdGroup, NodeGroup, Pyramid, StorageError};
 pub use query::{Hit, IdTest, Key, Query, Side};
 pub use reach::{Cone, Reach};
+pub use visits::Visits;
 
 /// The answer to one query without a pyramid: what [`naive::nearest`] gives, from the rows
 /// of texels around the receiver outwards.

@@ -13,7 +13,20 @@ use crate::search::{Search, WindowTest};
 use crate::traverse::each_in_pyramid;
 use crate::{Hit, IdTest, Map, Query};
 
-mod scalar;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+mod avx2;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+mod avx512;
+pub(crate) mod scalar;
+
+/// The number of each lane.
+const LANE: [f32; LANES] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+/// Column and row of each node in its group.
+const CELL_X: [f32; LANES] =
+    [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0];
+const CELL_Y: [f32; LANES] =
+    [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0];
 
 /// What the algorithms, written once, ask of an instruction set.
 ///
@@ -117,10 +130,17 @@ impl Job<'_> {
     }
 }
 
-/// Does a job with the kernels of `level`.
+/// Does a job with the kernels of `level`, and with those of [`Level::SCALAR`] where the level is of
+/// another architecture than this program.
+#[allow(unsafe_code)]
 pub(crate) fn run(level: Level, job: Job<'_>) {
     match level.kind() {
-        LevelKind::Scalar => scalar::run(job),
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        LevelKind::Avx2 => unsafe { avx2::run(job) },
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        LevelKind::Avx512 => unsafe { avx512::run(job) },
         _ => scalar::run(job),
     }
 }

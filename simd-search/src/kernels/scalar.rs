@@ -1,14 +1,20 @@
 //! The kernels in plain Rust: what all others must equal bit for bit.
 
 use crate::build::{FIRST, ROWS, Ranges};
-use crate::kernels::{Job, Kernels};
+use crate::kernels::{Job, Kernels, Ops};
 use crate::map::WINDOW;
 use crate::pyramid::LANES;
 use crate::reach::group_scalar;
 use crate::search::WindowTest;
 
 pub(crate) fn run(job: Job<'_>) {
-    job.run(&Kernels {
+    job.run(&kernels());
+}
+
+/// The kernels themselves.
+#[inline(always)]
+pub(crate) fn kernels() -> impl Ops {
+    Kernels {
         window: |test: &WindowTest, texels: &[f32; WINDOW]| {
             let mut found = 0;
             for (i, &nearness) in texels.iter().enumerate() {
@@ -42,5 +48,5 @@ pub(crate) fn run(job: Job<'_>) {
             }
             ranges
         },
-    });
+    }
 }

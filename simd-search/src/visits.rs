@@ -1,0 +1,76 @@
+//! How much of a map and of its pyramid a search looks at.
+
+use core::cell::Cell;
+
+use crate::build::{ROWS, Ranges};
+use crate::kernels::{Job, Ops, scalar};
+use crate::map::WINDOW;
+use crate::pyramid::{LANES, NodeGroup};
+use crate::reach::{GroupTest, Verdicts};
+use crate::search::WindowTest;
+use crate::{Map, Pyramid, Query};
+
+/// What a search looked at: the same at every level, since all take the same way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Visits {
+    /// Texels compared, 16 at a time.
+    pub texels: u64,
+    /// Nodes of the pyramid compared, 16 at a time.
+    pub nodes: u64,
+}
+
+impl Visits {
+    /// What [`crate::nearest`] looks at. Counts texels one by one only where it can compare 16 at
+    /// once: without jitter, in a map of at least 16 columns.
+    #[must_use]
+    pub fn of_box<'a>(map: impl Into<Map<'a>>, query: &Query) -> Visits {
+        counted(Job::InBox { map: map.into(), query, hit: &mut None })
+    }
+
+    /// What [`Pyramid::nearest_each`] looks at.
+    ///
+    /// # Panics
+    ///
+    /// If the pyramid is of a map of another size.
+    #[must_use]
+    pub fn of_pyramid<'a>(
+        map: impl Into<Map<'a>>,
+        pyramid: &Pyramid<'_>,
+        queries: &[Query],
+        hits: &mut [Option<crate::Hit>],
+    ) -> Visits {
+        let map = map.into();
+        pyramid.check(&map);
+        counted(Job::InPyramid { map, pyramid, queries, hits })
+    }
+}
+
+fn counted(job: Job<'_>) -> Visits {
+    let ops = Counted { ops: scalar::kernels(), texels: Cell::new(0), nodes: Cell::new(0) };
+    job.run(&ops);
+    Visits { texels: ops.texels.get(), nodes: ops.nodes.get() }
+}
+
+/// Kernels that count what they are asked.
+struct Counted<K> {
+    ops: K,
+    texels: Cell<u64>,
+    nodes: Cell<u64>,
+}
+
+impl<K: Ops> Ops for Counted<K> {
+    fn window(&self, test: &WindowTest, texels: &[f32; WINDOW]) -> u32 {
+        self.texels.set(self.texels.get() + WINDOW as u64);
+        self.ops.window(test, texels)
+    }
+    fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
+        self.ops.equal(numbers, number)
+    }
+    fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
+        self.nodes.set(self.nodes.get() + LANES as u64);
+        self.ops.group(test, nodes)
+    }
+    fn leaf(&self, texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]) -> Ranges {
+        self.ops.leaf(texels, slope)
+    }
+}
