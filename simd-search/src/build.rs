@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::Map;
 use crate::kernels::Ops;
-use crate::map::WINDOW;
+use crate::map::COLUMNS;
 use crate::pyramid::{FAN, IdGroup, LANES, LEAF_HEIGHT, LEAF_WIDTH, Layout, NodeGroup};
 
 /// Planar bounds of one node.
@@ -25,8 +25,7 @@ pub(crate) struct Ranges {
     pub nan: bool,
 }
 
-/// Rows of a leaf, and the centre of its first texel seen from its own centre.
-pub(crate) const ROWS: usize = LEAF_HEIGHT as usize;
+/// The centre of a leaf's first texel seen from its own centre.
 pub(crate) const FIRST: [f32; 2] =
     [-0.5 * (LEAF_WIDTH - 1) as f32, -0.5 * (LEAF_HEIGHT - 1) as f32];
 
@@ -131,11 +130,7 @@ fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32) 
         }
         let slope = leaf_slope(map, left, top, columns, rows);
         let ranges = if columns == LEAF_WIDTH && rows == LEAF_HEIGHT {
-            let mut texels = [[0.0; WINDOW]; ROWS];
-            for (row, y) in texels.iter_mut().zip(top..) {
-                *row = map.nearness_window(left, y);
-            }
-            ops.leaf(&texels, slope)
+            map.with_tile(left, top, |rows| ops.leaf(rows, slope))
         } else {
             ranges(map, left, top, columns, rows, slope)
         };
@@ -254,9 +249,9 @@ fn id_leaves(map: &Map<'_>, group: &mut IdGroup, x: u32, y: u32) {
         let id = map.id(left, top);
         let mut differ = 0;
         if columns == LEAF_WIDTH {
-            let mut bits = [0; WINDOW];
+            let mut bits = [0; COLUMNS];
             for y in top..top + rows {
-                for (bits, other) in bits.iter_mut().zip(map.id_window(left, y)) {
+                for (bits, other) in bits.iter_mut().zip(map.row_of_ids(left, y)) {
                     *bits |= other ^ id;
                 }
             }

@@ -65,9 +65,9 @@ pub(crate) fn classify(
     if known.is_nan() || layout.width > EXACT_EXTENT || layout.height > EXACT_EXTENT {
         return Verdict::Mixed;
     }
-    let around = |[from, to]: [f32; 2], size| {
-        span(from, reach.radius, size).start..span(to, reach.radius, size).end
-    };
+    let radius = reach.radius + 1.0; // Jitter moves texels by less.
+    let around =
+        |[from, to]: [f32; 2], size| span(from, radius, size).start..span(to, radius, size).end;
     let (columns, rows) = (around(reach.u, layout.width), around(reach.v, layout.height));
     if columns.is_empty() || rows.is_empty() {
         return Verdict::Clear;

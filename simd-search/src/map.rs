@@ -2,8 +2,13 @@
 
 use shadowmap_core::{DepthMap, PackedMap};
 
-/// How many texels of a row the kernels test at once.
-pub(crate) const WINDOW: usize = 16;
+/// Columns and rows of the tiles that kernels test at once.
+pub(crate) const COLUMNS: usize = 16;
+/// See [`COLUMNS`].
+pub(crate) const ROWS: usize = 8;
+
+/// One row of a tile.
+pub(crate) type Row = [f32; COLUMNS];
 
 /// A depth + ID map in either layout.
 ///
@@ -107,31 +112,42 @@ impl Map<'_> {
         }
     }
 
-    /// Nearness of the `WINDOW` texels from (x, y) on, which must lie within the row.
+    /// Calls `work` with the nearness of the tile whose first texel is (x, y). The tile must lie
+    /// within the map.
     #[inline(always)]
-    pub(crate) fn nearness_window(&self, x: u32, y: u32) -> [f32; WINDOW] {
-        let start = y as usize * self.width() as usize + x as usize;
+    pub(crate) fn with_tile<T>(&self, x: u32, y: u32, work: impl Fn([&Row; ROWS]) -> T) -> T {
+        let width = self.width() as usize;
+        let start = y as usize * width + x as usize;
         match self {
-            Map::Planar(map) => window(map.nearness(), start),
-            Map::Packed(map) => window(map.texels(), start).map(unpack),
+            Map::Planar(map) => {
+                let texels = &map.nearness()[start..];
+                work(core::array::from_fn(|i| row(texels, i * width)))
+            }
+            Map::Packed(map) => {
+                let texels = &map.texels()[start..];
+                let rows: [Row; ROWS] =
+                    core::array::from_fn(|i| row(texels, i * width).map(unpack));
+                work(rows.each_ref())
+            }
         }
     }
 
-    /// Object IDs of the `WINDOW` texels from (x, y) on, which must lie within the row.
+    /// Object IDs of the texels from (x, y) on, as many as a tile has columns. They must lie
+    /// within the row.
     #[inline(always)]
-    pub(crate) fn id_window(&self, x: u32, y: u32) -> [u32; WINDOW] {
+    pub(crate) fn row_of_ids(&self, x: u32, y: u32) -> [u32; COLUMNS] {
         let start = y as usize * self.width() as usize + x as usize;
         match self {
-            Map::Planar(map) if map.ids().is_empty() => [0; WINDOW],
-            Map::Planar(map) => window(map.ids(), start),
-            Map::Packed(map) => window(map.texels(), start).map(|texel| texel & 0xff),
+            Map::Planar(map) if map.ids().is_empty() => [0; COLUMNS],
+            Map::Planar(map) => *row(map.ids(), start),
+            Map::Packed(map) => row(map.texels(), start).map(|texel| texel & 0xff),
         }
     }
 }
 
 #[inline(always)]
-fn window<T: Copy>(texels: &[T], start: usize) -> [T; WINDOW] {
-    *texels[start..].first_chunk().expect("a window lies within its row")
+fn row<T>(texels: &[T], start: usize) -> &[T; COLUMNS] {
+    texels[start..].first_chunk().expect("tiles lie within the map")
 }
 
 /// Through a signed number, for which every instruction set has a conversion.

@@ -5,12 +5,13 @@ use core::ops::Range;
 
 use crate::Map;
 use crate::kernels::{Job, run};
+use crate::map::{COLUMNS, ROWS};
 use shadowmap_core::Level;
 
 /// Columns of texels in a node of the lowest level.
-pub(crate) const LEAF_WIDTH: u32 = 16;
+pub(crate) const LEAF_WIDTH: u32 = COLUMNS as u32;
 /// Rows of texels in a node of the lowest level.
-pub(crate) const LEAF_HEIGHT: u32 = 8;
+pub(crate) const LEAF_HEIGHT: u32 = ROWS as u32;
 /// Children of a node along each axis.
 pub(crate) const FAN: u32 = 4;
 /// Nodes in a group: the children of one node.

@@ -2,7 +2,7 @@
 
 use shadowmap_core::LightPoint;
 
-use crate::pyramid::{FAN, LANES, Layout, NodeGroup};
+use crate::pyramid::{FAN, LANES, Layout};
 
 /// Receivers next to each other, as one: a box of places in the map, a radius, and two parallel
 /// planes with all the receivers' planes between them.
@@ -58,51 +58,46 @@ impl Reach {
         receivers: impl Iterator<Item = (LightPoint, f32)> + Clone,
         radius: f32,
     ) -> Option<Reach> {
-        let mut all = receivers.clone();
-        let (first, _) = all.next()?;
-        let mut reach = Reach {
-            u: [first.u; 2],
-            v: [first.v; 2],
-            radius,
-            plane: first,
-            least: f32::INFINITY,
-            most: f32::NEG_INFINITY,
-            cone: None,
-        };
-        let mut finite = true;
+        let (plane, _) = receivers.clone().next()?;
+        // Comparisons instead of `min` and `max`: what is not a number is found at the end.
+        let (mut u, mut v, mut sum) = ([plane.u; 2], [plane.v; 2], 0.0);
         for (point, _) in receivers.clone() {
-            finite &= point.u.is_finite() && point.v.is_finite();
-            reach.u = [reach.u[0].min(point.u), reach.u[1].max(point.u)];
-            reach.v = [reach.v[0].min(point.v), reach.v[1].max(point.v)];
+            u = widen(u, point.u);
+            v = widen(v, point.v);
+            sum += point.u + point.v;
         }
-        // The difference of two planes is greatest and least at corners of the box, which has room
-        // for jitter and for rounding.
-        let far = reach.u[0].abs() + reach.u[1].abs() + reach.v[0].abs() + reach.v[1].abs();
+        // Half the box, with room for jitter and for rounding.
+        let far = (u[0].abs() + u[1].abs()) + (v[0].abs() + v[1].abs());
         let margin = (radius + 1.0) + (far + radius) * (1.0 / 1048576.0);
-        let [left, right] = [reach.u[0] - margin, reach.u[1] + margin];
-        let [top, bottom] = [reach.v[0] - margin, reach.v[1] + margin];
+        let half = [(u[1] - u[0]) * 0.5 + margin, (v[1] - v[0]) * 0.5 + margin];
+        let center = [(u[0] + u[1]) * 0.5, (v[0] + v[1]) * 0.5];
+        let at_center = plane.plane_at(center[0], center[1]);
+        // Two planes differ most at corners of the box.
+        let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
         for (point, offset) in receivers {
-            for (s, t) in [(left, top), (right, top), (left, bottom), (right, bottom)] {
-                let above = (point.plane_at(s, t) - first.plane_at(s, t)) + offset;
-                finite &= above.is_finite();
-                reach.least = reach.least.min(above);
-                reach.most = reach.most.max(above);
-            }
+            let above = (point.plane_at(center[0], center[1]) - at_center) + offset;
+            let tilt = point.slope - plane.slope;
+            let spread = tilt.x.abs() * half[0] + tilt.y.abs() * half[1];
+            least = if above - spread < least { above - spread } else { least };
+            most = if above + spread > most { above + spread } else { most };
+            sum += above + spread;
         }
-        finite.then_some(reach)
+        sum.is_finite().then_some(Reach { u, v, radius, plane, least, most, cone: None })
     }
 }
 
-/// What the group kernels ask of 16 sibling nodes.
+/// A range that contains `x` as well.
+#[inline(always)]
+fn widen([least, most]: [f32; 2], x: f32) -> [f32; 2] {
+    [if x < least { x } else { least }, if x > most { x } else { most }]
+}
+
+/// What the group kernels ask of 16 nodes of one size.
 #[derive(Clone, Copy)]
 pub(crate) struct GroupTest {
-    /// Centre of the first texel of the first node.
-    pub first: [f32; 2],
-    /// Texels per node.
-    pub size: [f32; 2],
     /// Receivers are at least at `from` and at most at `to`.
-    pub from: [f32; 2],
-    pub to: [f32; 2],
+    from: [f32; 2],
+    to: [f32; 2],
     pub reach_squared: f32,
     /// The plane that nodes are compared with.
     pub plane: LightPoint,
@@ -112,6 +107,12 @@ pub(crate) struct GroupTest {
     pub most: f32,
     /// Keys are ratios, not squared distances.
     pub cone: Option<Cone>,
+    /// From the centre of a node to its outermost texel centres.
+    pub half: [f32; 2],
+    /// For each node, the least squared distance of a texel from a receiver.
+    pub distance: [f32; LANES],
+    /// For each node, the nearness of the plane at its centre.
+    pub at_center: [f32; LANES],
 }
 
 impl GroupTest {
@@ -123,22 +124,21 @@ impl GroupTest {
         // nodes' bounds have their own.
         let extent = 4.0 * (layout.width as f32 + layout.height as f32 + 64.0);
         let steep = plane.slope.x.abs() + plane.slope.y.abs();
-        let magnitude = plane.nearness.abs()
-            + (reach.least.abs() + reach.most.abs())
-            + steep * (plane.u.abs() + plane.v.abs() + extent);
+        let far = plane.u.abs() + plane.v.abs() + extent;
+        let magnitude = plane.nearness.abs() + (reach.least.abs() + reach.most.abs()) + steep * far;
         let room = magnitude * (1.0 / 1048576.0);
-        let shift = jitter * (0.5 + (plane.u.abs() + plane.v.abs() + extent) * (1.0 / 1048576.0));
-        let radius = reach.radius;
+        let shift = jitter * (0.5 + far * (1.0 / 1048576.0));
         GroupTest {
-            first: [0.0; 2],
-            size: [0.0; 2],
             from: [reach.u[0] - shift, reach.v[0] - shift],
             to: [reach.u[1] + shift, reach.v[1] + shift],
-            reach_squared: radius * radius,
+            reach_squared: reach.radius * reach.radius,
             plane,
             least: reach.least - room,
             most: reach.most + room,
             cone: reach.cone,
+            half: [0.0; 2],
+            distance: [0.0; LANES],
+            at_center: [0.0; LANES],
         }
     }
 
@@ -146,55 +146,52 @@ impl GroupTest {
     #[inline(always)]
     pub fn at(&mut self, level: usize, x: u32, y: u32) {
         let [width, height] = Layout::node_size(level);
-        self.size = [width as f32, height as f32];
-        self.first =
-            [(u64::from(x * FAN) * width) as f32 + 0.5, (u64::from(y * FAN) * height) as f32 + 0.5];
+        let [(dx, rise_x, half_x), (dy, rise_y, half_y)] = [
+            self.along(0, self.plane.u, self.plane.slope.x, u64::from(x), width),
+            self.along(1, self.plane.v, self.plane.slope.y, u64::from(y), height),
+        ];
+        self.half = [half_x, half_y];
+        for i in 0..LANES {
+            let (column, row) = (i % FAN as usize, i / FAN as usize);
+            self.distance[i] = dx[column] + dy[row];
+            self.at_center[i] = self.plane.nearness + (rise_x[column] + rise_y[row]);
+        }
+    }
+
+    /// Along one axis, for the four nodes of group `x`: the least squared distance, what the plane
+    /// gains from its origin to the node's centre; and from the centre to the outermost texels.
+    #[inline(always)]
+    fn along(
+        &self,
+        axis: usize,
+        origin: f32,
+        slope: f32,
+        x: u64,
+        size: u64,
+    ) -> ([f32; 4], [f32; 4], f32) {
+        let last = size as f32 - 1.0;
+        let half = last * 0.5;
+        let (mut distance, mut rise) = ([0.0; 4], [0.0; 4]);
+        for i in 0..4 {
+            // Centres of texels are exact, so these differences are rounded as a texel's own are,
+            // and none of the node's texels is closer.
+            let first = ((x * 4 + i as u64) * size) as f32 + 0.5;
+            let (before, after) = (first - self.to[axis], self.from[axis] - (first + last));
+            let gap = if before > after { before } else { after };
+            distance[i] = if gap > 0.0 { gap * gap } else { 0.0 };
+            rise[i] = slope * ((first + half) - origin);
+        }
+        (distance, rise, half)
     }
 }
 
-/// The 16 nodes of a group that are near enough to matter.
+/// What a group kernel says of 16 nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Verdicts {
-    /// Bit i: node i may hold a texel that blocks a receiver.
+    /// Bit i: node i is in reach and may hold a texel that blocks a receiver.
     pub may_block: u32,
-    /// Bit i: node i may hold a texel that does not block every receiver.
+    /// Bit i: node i is in reach and may hold a texel that does not block every receiver.
     pub may_be_lit: u32,
     /// No texel of node i has a smaller key.
     pub keys: [f32; LANES],
-}
-
-/// What is computed for each of 16 sibling nodes, in plain Rust; the kernels do the same.
-#[inline(always)]
-pub(crate) fn group_scalar(test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
-    let mut verdicts = Verdicts { may_block: 0, may_be_lit: 0, keys: [0.0; LANES] };
-    let GroupTest { first, size, from, to, plane, .. } = *test;
-    let last = [size[0] - 1.0, size[1] - 1.0];
-    for i in 0..LANES {
-        let cell = [(i as u32 % FAN) as f32, (i as u32 / FAN) as f32];
-        let start = [first[0] + cell[0] * size[0], first[1] + cell[1] * size[1]];
-        let dx = (start[0] - to[0]).max(from[0] - (start[0] + last[0])).max(0.0);
-        let dy = (start[1] - to[1]).max(from[1] - (start[1] + last[1])).max(0.0);
-        let distance = dx * dx + dy * dy;
-        let near = distance <= test.reach_squared;
-
-        let half = [last[0] * 0.5, last[1] * 0.5];
-        let (x, y) = ((start[0] + half[0]) - plane.u, (start[1] + half[1]) - plane.v);
-        let at_center = plane.nearness + (plane.slope.x * x + plane.slope.y * y);
-        let spread = (nodes.slope_x[i] - plane.slope.x).abs() * half[0]
-            + (nodes.slope_y[i] - plane.slope.y).abs() * half[1];
-        let below = (nodes.high[i] + spread) - at_center <= test.least;
-        let above = (nodes.low[i] - spread) - at_center > test.most;
-
-        let (mut key, mut outside) = (distance, false);
-        if let Some(cone) = test.cone {
-            let steep = nodes.slope_x[i].abs() * half[0] + nodes.slope_y[i].abs() * half[1];
-            let nearer = (nodes.high[i] + steep) - cone.nearness;
-            key = distance / (nearer * nearer);
-            outside = nearer <= 0.0 || key > cone.at_most;
-        }
-        verdicts.keys[i] = key;
-        verdicts.may_block |= u32::from(near && !below && !outside) << i;
-        verdicts.may_be_lit |= u32::from(near && !above) << i;
-    }
-    verdicts
 }

@@ -1,31 +1,31 @@
-//! One search under way: what is asked of each texel, and the best answer so far.
+//! One search under way: what is asked of the texels, and the best answer so far.
 
 use core::ops::Range;
 
 use crate::kernels::Ops;
-use crate::map::WINDOW;
+use crate::map::{COLUMNS, ROWS};
 use crate::naive::reach;
 use crate::{Hit, IdTest, Key, Map, Query, Side};
 
-/// What the window kernels ask of the 16 texels from `first` on.
+/// What the tile kernels ask of 16 x 8 texels.
 #[derive(Clone, Copy)]
-pub(crate) struct WindowTest {
-    /// Centre of the first texel along the row.
+pub(crate) struct TileTest {
+    /// Centre of the first column, and where the receiver lies along the row.
     pub first: f32,
-    /// The receiver's place along the row, nearness, slope along the row, and offset.
     pub u: f32,
+    /// The receiver's nearness, the slope of its plane along a row, and what must be exceeded.
     pub nearness: f32,
     pub slope: f32,
     pub offset: f32,
-    /// The row's squared distance, and what the slope down the map adds on this row.
-    pub dy_squared: f32,
-    pub rise: f32,
     /// Greatest squared distance that is of use.
     pub reach_squared: f32,
     /// For [`Key::Ratio`], the greatest key that is of use (rounded up).
     pub ratio: Option<f32>,
-    /// All ones to find texels that do not block.
-    pub flip: u32,
+    /// Look for texels that do not block.
+    pub lit: bool,
+    /// For each row, what the receiver's plane gains down the map, and the squared distance.
+    pub rise: [f32; ROWS],
+    pub dy_squared: [f32; ROWS],
 }
 
 /// Where a search stands. The texels asked next must beat it.
@@ -33,32 +33,42 @@ pub(crate) struct Search<'a> {
     pub map: Map<'a>,
     pub query: &'a Query,
     pub best: Option<Hit>,
-    /// Nothing at a greater squared distance is of use.
-    pub reach_squared: f32,
     /// Nothing with a greater key is of use.
     pub key: f32,
-    by_windows: bool,
+    pub test: TileTest,
+    by_tiles: bool,
 }
 
 impl<'a> Search<'a> {
     /// A search that has asked no texel but the hint.
     #[inline(always)]
     pub fn new(map: Map<'a>, query: &'a Query) -> Self {
-        let at_most = match query.key {
-            Key::Distance => f32::INFINITY,
-            Key::Ratio { at_most } => at_most,
-        };
+        let point = query.point;
         let mut search = Search {
             map,
             query,
             best: None,
-            reach_squared: query.radius * query.radius,
-            key: at_most,
+            key: f32::INFINITY,
+            test: TileTest {
+                first: 0.0,
+                u: point.u,
+                nearness: point.nearness,
+                slope: point.slope.x,
+                offset: query.offset,
+                reach_squared: query.radius * query.radius,
+                ratio: None,
+                lit: query.side == Side::Lit,
+                rise: [0.0; ROWS],
+                dy_squared: [0.0; ROWS],
+            },
             // Beyond 2^22 a texel's centre is no longer exact, so lanes would round differently.
-            by_windows: map.width() >= WINDOW as u32
-                && map.width() < 1 << 22
+            by_tiles: (COLUMNS as u32..1 << 22).contains(&map.width())
+                && (ROWS as u32..1 << 22).contains(&map.height())
                 && query.jitter_amplitude() == 0.0,
         };
+        if let Key::Ratio { at_most } = query.key {
+            search.limit(at_most);
+        }
         if let Some([x, y]) = query.hint
             && x < map.width()
             && y < map.height()
@@ -68,77 +78,91 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// Asks one texel.
+    /// Asks one texel. True if it is the best so far.
     #[inline(always)]
-    pub fn ask(&mut self, x: u32, y: u32) {
-        if let Some(hit) = self.query.candidate(&self.map, x, y)
-            && self.best.is_none_or(|best| hit.precedes(&best))
-        {
-            self.best = Some(hit);
-            self.key = hit.key;
-            if self.query.key == Key::Distance {
-                self.reach_squared = hit.distance_squared;
-            }
+    pub fn ask(&mut self, x: u32, y: u32) -> bool {
+        let Some(hit) = self.query.candidate(&self.map, x, y) else { return false };
+        if self.best.is_some_and(|best| !hit.precedes(&best)) {
+            return false;
+        }
+        self.best = Some(hit);
+        self.limit(hit.key);
+        true
+    }
+
+    /// From now on keys beyond this are of no use.
+    #[inline(always)]
+    fn limit(&mut self, key: f32) {
+        self.key = key;
+        match self.query.key {
+            Key::Distance => self.test.reach_squared = key,
+            // Rounded up, so that no texel is missed by a kernel, which passes over those with
+            // `distance² > key * nearer²` instead of dividing.
+            Key::Ratio { .. } => self.test.ratio = Some(key * (1.0 + 1.0 / 1048576.0)),
         }
     }
 
     /// The columns and rows that can still hold the answer.
     #[inline(always)]
     pub fn window(&self) -> [Range<u32>; 2] {
-        let radius = sqrt(self.reach_squared);
+        let radius = sqrt(self.test.reach_squared) + self.query.jitter_amplitude();
         [
             reach(self.query.point.u, radius, self.map.width()),
             reach(self.query.point.v, radius, self.map.height()),
         ]
     }
 
-    /// Asks all texels of a row from `columns.start` to `columns.end` at least.
+    /// Asks the texels of the tile that starts at (x, y), or one further left or up where that
+    /// does not fit into the map.
     #[inline(always)]
-    pub fn ask_row(&mut self, ops: &impl Ops, columns: Range<u32>, y: u32) {
-        if !self.by_windows {
-            return columns.for_each(|x| self.ask(x, y));
+    pub fn ask_tile(&mut self, ops: &impl Ops, x: u32, y: u32) {
+        if !self.by_tiles {
+            return self.ask_one_by_one(x, y);
         }
-        let point = self.query.point;
-        let dy = (y as f32 + 0.5) - point.v;
-        let mut test = WindowTest {
-            first: 0.0,
-            u: point.u,
-            nearness: point.nearness,
-            slope: point.slope.x,
-            offset: self.query.offset,
-            dy_squared: dy * dy,
-            rise: point.slope.y * dy,
-            reach_squared: self.reach_squared,
-            ratio: self.ratio(),
-            flip: if self.query.side == Side::Blocker { 0 } else { 0xffff },
-        };
-        if test.dy_squared > self.reach_squared {
-            return;
+        let x = x.min(self.map.width() - COLUMNS as u32);
+        let y = y.min(self.map.height() - ROWS as u32);
+        self.test.first = x as f32 + 0.5;
+        let (top, point) = (y as f32 + 0.5, &self.query.point);
+        for row in 0..ROWS {
+            let dy = (top + row as f32) - point.v;
+            self.test.rise[row] = point.slope.y * dy;
+            self.test.dy_squared[row] = dy * dy;
         }
-        let last = self.map.width() - WINDOW as u32;
-        let mut x = columns.start;
-        while x < columns.end {
-            let start = x.min(last);
-            test.first = start as f32 + 0.5;
-            let texels = self.map.nearness_window(start, y);
-            let mut found = ops.window(&test, &texels);
-            if found != 0 {
-                found &= self.ids(ops, start, y);
-                while found != 0 {
-                    self.ask(start + found.trailing_zeros(), y);
-                    found &= found - 1;
+        let mut all = u128::MAX;
+        loop {
+            // Again whenever the bound has changed, so that few texels are asked in vain.
+            let mut found = all & self.map.with_tile(x, y, |rows| ops.tile(&self.test, rows));
+            let mut better = false;
+            while found != 0 && !better {
+                let row = found.trailing_zeros() / COLUMNS as u32;
+                let shift = row * COLUMNS as u32;
+                let mut columns = (found >> shift) as u16 & self.ids(ops, x, y + row);
+                found &= !(0xffff << shift);
+                all = found;
+                while columns != 0 {
+                    better |= self.ask(x + columns.trailing_zeros(), y + row);
+                    columns &= columns - 1;
                 }
-                test.reach_squared = self.reach_squared;
-                test.ratio = self.ratio();
             }
-            x += WINDOW as u32;
+            if found == 0 {
+                return;
+            }
         }
     }
 
-    /// The window's texels that pass the ID test.
     #[inline(always)]
-    fn ids(&self, ops: &impl Ops, x: u32, y: u32) -> u32 {
-        let equal = |id| ops.equal(&self.map.id_window(x, y), id & self.map.id_mask());
+    fn ask_one_by_one(&mut self, x: u32, y: u32) {
+        for y in y..y.saturating_add(ROWS as u32).min(self.map.height()) {
+            for x in x..x.saturating_add(COLUMNS as u32).min(self.map.width()) {
+                self.ask(x, y);
+            }
+        }
+    }
+
+    /// The texels of a tile's row that pass the ID test.
+    #[inline(always)]
+    fn ids(&self, ops: &impl Ops, x: u32, y: u32) -> u16 {
+        let equal = |id| ops.equal(&self.map.row_of_ids(x, y), id & self.map.id_mask()) as u16;
         match self.query.ids {
             IdTest::Any => 0xffff,
             IdTest::Differs(id) => !equal(id),
@@ -146,41 +170,34 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The greatest key of use, rounded up so that no texel is missed by a kernel, which passes over
-    /// those with `distance² > key * nearer²` instead of dividing.
-    #[inline(always)]
-    fn ratio(&self) -> Option<f32> {
-        match self.query.key {
-            Key::Distance => None,
-            Key::Ratio { .. } => Some(self.key * (1.0 + 1.0 / 1048576.0)),
-        }
-    }
-
     /// Asks every texel that can hold the answer, the nearest rows first.
     #[inline(always)]
     pub fn ask_box(&mut self, ops: &impl Ops) {
-        let [mut columns, rows] = self.window();
+        let [mut columns, mut rows] = self.window();
         if columns.is_empty() || rows.is_empty() {
             return;
         }
         // This cast saturates.
         let middle = (self.query.point.v as u32).clamp(rows.start, rows.end - 1);
-        let (mut above, mut below) = (middle, middle);
+        let mut below = middle.saturating_sub(ROWS as u32 / 2).max(rows.start);
+        let mut above = below;
+        let mut downwards = false;
         while above > rows.start || below < rows.end {
-            let reach_before = self.reach_squared;
-            if below < rows.end {
-                self.ask_row(ops, columns.clone(), below);
-                below += 1;
+            let before = self.test.reach_squared;
+            downwards = if downwards { above <= rows.start } else { below < rows.end };
+            let y = if downwards { below } else { above.saturating_sub(ROWS as u32) };
+            let mut x = columns.start;
+            while x < columns.end {
+                self.ask_tile(ops, x, y);
+                x = x.saturating_add(COLUMNS as u32);
             }
-            if above > rows.start {
-                above -= 1;
-                self.ask_row(ops, columns.clone(), above);
+            if downwards {
+                below = y.saturating_add(ROWS as u32);
+            } else {
+                above = y;
             }
-            if self.reach_squared < reach_before {
-                let [fewer_columns, fewer_rows] = self.window();
-                columns = fewer_columns;
-                below = if below < fewer_rows.end { below } else { rows.end };
-                above = if above > fewer_rows.start { above } else { rows.start };
+            if self.test.reach_squared < before {
+                [columns, rows] = self.window();
             }
         }
     }

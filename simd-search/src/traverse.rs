@@ -158,7 +158,7 @@ fn descend(
         };
         let (x, y) = (frame.x * FAN + lane % FAN, frame.y * FAN + lane / FAN);
         if level == 0 {
-            leaf(ops, search, x, y);
+            search.ask_tile(ops, x * LEAF_WIDTH, y * LEAF_HEIGHT);
         } else {
             level -= 1;
             path.0[level] = visit(ops, search, pyramid, test, level, x, y);
@@ -183,7 +183,7 @@ fn nearest_lane(frame: &mut Frame, search: &Search<'_>) -> Option<u32> {
         nodes &= nodes - 1;
     }
     let bound = match search.query.key {
-        Key::Distance => search.reach_squared,
+        Key::Distance => search.test.reach_squared,
         Key::Ratio { .. } => search.key,
     };
     // A NaN does not bound.
@@ -209,7 +209,7 @@ fn visit(
     let mut frame = Frame { x, y, nodes: 0, keys: [0.0; LANES] };
     let Some(index) = pyramid.layout.group(level, x, y) else { return frame };
     test.at(level, x, y);
-    test.reach_squared = search.reach_squared;
+    test.reach_squared = search.test.reach_squared;
     if let Some(cone) = &mut test.cone {
         cone.at_most = search.key;
     }
@@ -236,15 +236,5 @@ pub(crate) fn failing(ops: &impl Ops, pyramid: &Pyramid<'_>, index: usize, ids: 
         (IdTest::Equals(id), Some(group)) => {
             group.single & !ops.equal(&group.id, id & pyramid.id_mask)
         }
-    }
-}
-
-/// Asks the texels of a node of the lowest level.
-#[inline(always)]
-fn leaf(ops: &impl Ops, search: &mut Search<'_>, x: u32, y: u32) {
-    let (left, top) = (x * LEAF_WIDTH, y * LEAF_HEIGHT);
-    let columns = left..(left + LEAF_WIDTH).min(search.map.width());
-    for row in top..(top + LEAF_HEIGHT).min(search.map.height()) {
-        search.ask_row(ops, columns.clone(), row);
     }
 }

@@ -2,12 +2,12 @@
 
 use core::cell::Cell;
 
-use crate::build::{ROWS, Ranges};
+use crate::build::Ranges;
 use crate::kernels::{Job, Ops, scalar};
-use crate::map::WINDOW;
+use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{GroupTest, Verdicts};
-use crate::search::WindowTest;
+use crate::search::TileTest;
 use crate::{Map, Pyramid, Query};
 
 /// What a search looked at: the same at every level, since all take the same way.
@@ -59,9 +59,9 @@ struct Counted<K> {
 }
 
 impl<K: Ops> Ops for Counted<K> {
-    fn window(&self, test: &WindowTest, texels: &[f32; WINDOW]) -> u32 {
-        self.texels.set(self.texels.get() + WINDOW as u64);
-        self.ops.window(test, texels)
+    fn tile(&self, test: &TileTest, rows: [&Row; ROWS]) -> u128 {
+        self.texels.set(self.texels.get() + (COLUMNS * ROWS) as u64);
+        self.ops.tile(test, rows)
     }
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
         self.ops.equal(numbers, number)
@@ -70,7 +70,7 @@ impl<K: Ops> Ops for Counted<K> {
         self.nodes.set(self.nodes.get() + LANES as u64);
         self.ops.group(test, nodes)
     }
-    fn leaf(&self, texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]) -> Ranges {
-        self.ops.leaf(texels, slope)
+    fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
+        self.ops.leaf(rows, slope)
     }
 }

@@ -1,4 +1,4 @@
-//! The kernels with AVX2: two times eight lanes.
+//! The kernels with AVX2: two vectors of eight lanes.
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -7,127 +7,135 @@ use core::arch::x86_64::*;
 
 use bytemuck::cast;
 
-use crate::build::{FIRST, ROWS, Ranges};
-use crate::kernels::{CELL_X, CELL_Y, Job, Kernels, LANE};
-use crate::map::WINDOW;
+use crate::build::{FIRST, Ranges};
+use crate::kernels::{Job, Kernels, LANE};
+use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{GroupTest, Verdicts};
-use crate::search::WindowTest;
+use crate::search::TileTest;
+
+/// Vectors in a tile's row or a group of nodes, and lanes in a vector.
+const PARTS: usize = 2;
+const WIDTH: usize = 8;
+
+type Vectors = [__m256; PARTS];
 
 #[target_feature(enable = "avx2")]
 pub(crate) fn run(job: Job<'_>) {
-    let all = |x: f32| _mm256_set1_ps(x);
-    let bits = |mask: __m256| _mm256_movemask_ps(mask) as u32;
-    let lane: [__m256; 2] = cast(LANE);
+    // Closures have the features of this function, which lets them call the others.
+    job.run(&Kernels {
+        tile: |test: &TileTest, rows: [&Row; ROWS]| tile(test, rows),
+        equal: |numbers: &[u32; LANES], number: u32| equal(numbers, number),
+        group: |test: &GroupTest, nodes: &NodeGroup| group(test, nodes),
+        leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(rows, slope),
+    });
+}
 
-    let window = |test: &WindowTest, texels: &[f32; WINDOW]| {
-        let texels: [__m256; 2] = cast(*texels);
-        let mut found = 0;
-        for i in 0..2 {
-            let dx = _mm256_sub_ps(_mm256_add_ps(all(test.first), lane[i]), all(test.u));
-            let rise = _mm256_add_ps(_mm256_mul_ps(all(test.slope), dx), all(test.rise));
+#[target_feature(enable = "avx2")]
+#[inline]
+fn all(x: f32) -> __m256 {
+    _mm256_set1_ps(x)
+}
+
+/// A mask as bits, those of vector `part` in their place.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn bits(mask: __m256, part: usize) -> u32 {
+    (_mm256_movemask_ps(mask) as u32) << (WIDTH * part)
+}
+
+#[target_feature(enable = "avx2")]
+fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
+    let lane: Vectors = cast(LANE);
+    let (mut near, mut blocks) = ([0u16; ROWS], [0u16; ROWS]);
+    for part in 0..PARTS {
+        let dx = _mm256_sub_ps(_mm256_add_ps(all(test.first), lane[part]), all(test.u));
+        let (rise_x, dx_squared) = (_mm256_mul_ps(all(test.slope), dx), _mm256_mul_ps(dx, dx));
+        for row in 0..ROWS {
+            let texels = cast::<Row, Vectors>(*rows[row])[part];
+            let rise = _mm256_add_ps(rise_x, all(test.rise[row]));
             let plane = _mm256_add_ps(_mm256_add_ps(all(test.nearness), rise), all(test.offset));
-            let blocks = _mm256_cmp_ps::<_CMP_GT_OQ>(texels[i], plane);
-            let distance = _mm256_add_ps(_mm256_mul_ps(dx, dx), all(test.dy_squared));
-            let mut near = _mm256_cmp_ps::<_CMP_LE_OQ>(distance, all(test.reach_squared));
+            let distance = _mm256_add_ps(dx_squared, all(test.dy_squared[row]));
+            let mut within = _mm256_cmp_ps::<_CMP_LE_OQ>(distance, all(test.reach_squared));
             if let Some(key) = test.ratio {
-                let nearer = _mm256_sub_ps(texels[i], all(test.nearness));
-                let within = _mm256_mul_ps(all(key), _mm256_mul_ps(nearer, nearer));
-                near = _mm256_and_ps(near, _mm256_cmp_ps::<_CMP_GT_OQ>(nearer, all(0.0)));
-                near = _mm256_and_ps(near, _mm256_cmp_ps::<_CMP_NGT_UQ>(distance, within));
+                let nearer = _mm256_sub_ps(texels, all(test.nearness));
+                let most = _mm256_mul_ps(all(key), _mm256_mul_ps(nearer, nearer));
+                within = _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_GT_OQ>(nearer, all(0.0)));
+                within = _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_NGT_UQ>(distance, most));
             }
-            found |= (bits(near) & (bits(blocks) ^ (test.flip & 0xff))) << (8 * i);
+            near[row] |= bits(within, part) as u16;
+            blocks[row] |= bits(_mm256_cmp_ps::<_CMP_GT_OQ>(texels, plane), part) as u16;
         }
-        found
+    }
+    let (near, blocks): (u128, u128) = (cast(near), cast(blocks));
+    if test.lit { near & !blocks } else { near & blocks }
+}
+
+#[target_feature(enable = "avx2")]
+fn equal(numbers: &[u32; LANES], number: u32) -> u32 {
+    let (numbers, number): ([__m256i; PARTS], _) =
+        (cast(*numbers), _mm256_set1_epi32(number as i32));
+    (0..PARTS).fold(0, |found, part| {
+        let equal = _mm256_cmpeq_epi32(numbers[part], number);
+        found | bits(_mm256_castsi256_ps(equal), part)
+    })
+}
+
+#[target_feature(enable = "avx2")]
+fn group(test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
+    let (x, y): (Vectors, Vectors) = (cast(nodes.slope_x), cast(nodes.slope_y));
+    let (low, high): (Vectors, Vectors) = (cast(nodes.low), cast(nodes.high));
+    let (distance, at_center): (Vectors, Vectors) = (cast(test.distance), cast(test.at_center));
+    let tilt = |x: __m256, y: __m256| {
+        let (x, y) = (_mm256_andnot_ps(all(-0.0), x), _mm256_andnot_ps(all(-0.0), y));
+        _mm256_add_ps(_mm256_mul_ps(x, all(test.half[0])), _mm256_mul_ps(y, all(test.half[1])))
     };
-
-    let equal = |numbers: &[u32; LANES], number: u32| {
-        let [low, high]: [__m256i; 2] = cast(*numbers);
-        let same = |x| {
-            let equal = _mm256_cmpeq_epi32(x, _mm256_set1_epi32(number as i32));
-            bits(_mm256_castsi256_ps(equal))
-        };
-        same(low) | same(high) << 8
-    };
-
-    let group = |test: &GroupTest, nodes: &NodeGroup| {
-        let GroupTest { first, size, from, to, plane, .. } = *test;
-        let zero = all(0.0);
-        let along = |cell: __m256, axis: usize| {
-            let start = _mm256_add_ps(all(first[axis]), _mm256_mul_ps(cell, all(size[axis])));
-            let end = _mm256_add_ps(start, all(size[axis] - 1.0));
-            let before = _mm256_sub_ps(start, all(to[axis]));
-            let after = _mm256_sub_ps(all(from[axis]), end);
-            let distance = _mm256_max_ps(_mm256_max_ps(before, after), zero);
-            let center = _mm256_add_ps(start, all((size[axis] - 1.0) * 0.5));
-            (_mm256_mul_ps(distance, distance), center)
-        };
-        let half = [all((size[0] - 1.0) * 0.5), all((size[1] - 1.0) * 0.5)];
-        let tilt = |slope: __m256, axis: usize| {
-            _mm256_mul_ps(_mm256_andnot_ps(all(-0.0), slope), half[axis])
-        };
-        let (cell_x, cell_y): ([__m256; 2], [__m256; 2]) = (cast(CELL_X), cast(CELL_Y));
-        let slope: [[__m256; 2]; 2] = [cast(nodes.slope_x), cast(nodes.slope_y)];
-        let (low, high): ([__m256; 2], [__m256; 2]) = (cast(nodes.low), cast(nodes.high));
-        let (mut may_block, mut may_be_lit, mut all_keys) = (0, 0, [zero; 2]);
-        for i in 0..2 {
-            let (dx, center_x) = along(cell_x[i], 0);
-            let (dy, center_y) = along(cell_y[i], 1);
-            let distance = _mm256_add_ps(dx, dy);
-            let near = bits(_mm256_cmp_ps::<_CMP_LE_OQ>(distance, all(test.reach_squared)));
-
-            let x = _mm256_sub_ps(center_x, all(plane.u));
-            let y = _mm256_sub_ps(center_y, all(plane.v));
-            let rise = _mm256_add_ps(
-                _mm256_mul_ps(all(plane.slope.x), x),
-                _mm256_mul_ps(all(plane.slope.y), y),
-            );
-            let at_center = _mm256_add_ps(all(plane.nearness), rise);
-            let spread = _mm256_add_ps(
-                tilt(_mm256_sub_ps(slope[0][i], all(plane.slope.x)), 0),
-                tilt(_mm256_sub_ps(slope[1][i], all(plane.slope.y)), 1),
-            );
-            let highest = _mm256_sub_ps(_mm256_add_ps(high[i], spread), at_center);
-            let lowest = _mm256_sub_ps(_mm256_sub_ps(low[i], spread), at_center);
-            let below = bits(_mm256_cmp_ps::<_CMP_LE_OQ>(highest, all(test.least)));
-            let above = bits(_mm256_cmp_ps::<_CMP_GT_OQ>(lowest, all(test.most)));
-
-            let (mut keys, mut outside) = (distance, 0);
-            if let Some(cone) = test.cone {
-                let steep = _mm256_add_ps(tilt(slope[0][i], 0), tilt(slope[1][i], 1));
-                let nearer = _mm256_sub_ps(_mm256_add_ps(high[i], steep), all(cone.nearness));
-                keys = _mm256_div_ps(distance, _mm256_mul_ps(nearer, nearer));
-                outside = bits(_mm256_cmp_ps::<_CMP_LE_OQ>(nearer, zero))
-                    | bits(_mm256_cmp_ps::<_CMP_GT_OQ>(keys, all(cone.at_most)));
-            }
-            may_block |= (near & !below & !outside) << (8 * i);
-            may_be_lit |= (near & !above) << (8 * i);
-            all_keys[i] = keys;
+    let slope = test.plane.slope;
+    let (mut keys, mut may_block, mut may_be_lit) = (distance, 0, 0);
+    for part in 0..PARTS {
+        let (x, y) = (x[part], y[part]);
+        let spread = tilt(_mm256_sub_ps(x, all(slope.x)), _mm256_sub_ps(y, all(slope.y)));
+        let highest = _mm256_sub_ps(_mm256_add_ps(high[part], spread), at_center[part]);
+        let lowest = _mm256_sub_ps(_mm256_sub_ps(low[part], spread), at_center[part]);
+        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(distance[part], all(test.reach_squared));
+        let not_above = _mm256_cmp_ps::<_CMP_NGT_UQ>(lowest, all(test.most));
+        let mut counts =
+            _mm256_and_ps(near, _mm256_cmp_ps::<_CMP_NLE_UQ>(highest, all(test.least)));
+        if let Some(cone) = test.cone {
+            let most = _mm256_add_ps(high[part], tilt(x, y));
+            let nearer = _mm256_sub_ps(most, all(cone.nearness));
+            keys[part] = _mm256_div_ps(distance[part], _mm256_mul_ps(nearer, nearer));
+            counts = _mm256_and_ps(counts, _mm256_cmp_ps::<_CMP_NLE_UQ>(nearer, all(0.0)));
+            counts =
+                _mm256_and_ps(counts, _mm256_cmp_ps::<_CMP_NGT_UQ>(keys[part], all(cone.at_most)));
         }
-        Verdicts { may_block, may_be_lit, keys: cast(all_keys) }
-    };
+        may_block |= bits(counts, part);
+        may_be_lit |= bits(_mm256_and_ps(near, not_above), part);
+    }
+    Verdicts { may_block, may_be_lit, keys: cast(keys) }
+}
 
-    let leaf = |texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]| {
-        let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
-        let (mut planar, mut nan) = (flat, all(0.0));
-        for i in 0..2 {
-            let across = _mm256_mul_ps(all(slope[0]), _mm256_add_ps(all(FIRST[0]), lane[i]));
-            for (row, y) in texels.iter().zip(0u8..) {
-                let texels = cast::<_, [__m256; 2]>(*row)[i];
-                let plane = _mm256_add_ps(across, all(slope[1] * (FIRST[1] + f32::from(y))));
-                let above = _mm256_sub_ps(texels, plane);
-                // Of a NaN and a number, these take the second operand.
-                flat = [_mm256_min_ps(texels, flat[0]), _mm256_max_ps(texels, flat[1])];
-                planar = [_mm256_min_ps(above, planar[0]), _mm256_max_ps(above, planar[1])];
-                nan = _mm256_or_ps(nan, _mm256_cmp_ps::<_CMP_UNORD_Q>(texels, texels));
-            }
+#[target_feature(enable = "avx2")]
+fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
+    let lane: Vectors = cast(LANE);
+    let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
+    let (mut planar, mut nan) = (flat, all(0.0));
+    for part in 0..PARTS {
+        let rise_x = _mm256_mul_ps(all(slope[0]), _mm256_add_ps(all(FIRST[0]), lane[part]));
+        for (row, y) in rows.into_iter().zip(0u8..) {
+            let texels = cast::<Row, Vectors>(*row)[part];
+            let plane = _mm256_add_ps(rise_x, all(slope[1] * (FIRST[1] + f32::from(y))));
+            let above = _mm256_sub_ps(texels, plane);
+            // Of a NaN and a number, these take the second operand.
+            flat = [_mm256_min_ps(texels, flat[0]), _mm256_max_ps(texels, flat[1])];
+            planar = [_mm256_min_ps(above, planar[0]), _mm256_max_ps(above, planar[1])];
+            nan = _mm256_or_ps(nan, _mm256_cmp_ps::<_CMP_UNORD_Q>(texels, texels));
         }
-        let range = |[low, high]: [__m256; 2]| {
-            let (low, high): ([f32; 8], [f32; 8]) = (cast(low), cast(high));
-            [low.into_iter().fold(f32::INFINITY, f32::min), high.into_iter().fold(f32::NEG_INFINITY, f32::max)]
-        };
-        Ranges { flat: range(flat), planar: range(planar), nan: bits(nan) != 0 }
+    }
+    let fold = |lanes: __m256, smaller: fn(f32, f32) -> f32| {
+        let lanes: [f32; WIDTH] = cast(lanes);
+        lanes.into_iter().fold(lanes[0], smaller)
     };
-
-    job.run(&Kernels { window, equal, group, leaf });
+    let range = |[low, high]: [__m256; 2]| [fold(low, f32::min), fold(high, f32::max)];
+    Ranges { flat: range(flat), planar: range(planar), nan: bits(nan, 0) != 0 }
 }

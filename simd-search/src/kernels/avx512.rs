@@ -1,4 +1,4 @@
-//! The kernels with AVX-512: sixteen lanes, a window or a group at once.
+//! The kernels with AVX-512: sixteen lanes, a tile's row or a group of nodes at once.
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -7,110 +7,103 @@ use core::arch::x86_64::*;
 
 use bytemuck::cast;
 
-use crate::build::{FIRST, ROWS, Ranges};
-use crate::kernels::{CELL_X, CELL_Y, Job, Kernels, LANE};
-use crate::map::WINDOW;
+use crate::build::{FIRST, Ranges};
+use crate::kernels::{Job, Kernels, LANE};
+use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{GroupTest, Verdicts};
-use crate::search::WindowTest;
+use crate::search::TileTest;
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 pub(crate) fn run(job: Job<'_>) {
-    let all = |x: f32| _mm512_set1_ps(x);
-    let lane: __m512 = cast(LANE);
+    // Closures have the features of this function, which lets them call the others.
+    job.run(&Kernels {
+        tile: |test: &TileTest, rows: [&Row; ROWS]| tile(test, rows),
+        equal: |numbers: &[u32; LANES], number: u32| equal(numbers, number),
+        group: |test: &GroupTest, nodes: &NodeGroup| group(test, nodes),
+        leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(rows, slope),
+    });
+}
 
-    let window = |test: &WindowTest, texels: &[f32; WINDOW]| {
-        let texels: __m512 = cast(*texels);
-        let dx = _mm512_sub_ps(_mm512_add_ps(all(test.first), lane), all(test.u));
-        let rise = _mm512_add_ps(_mm512_mul_ps(all(test.slope), dx), all(test.rise));
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline]
+fn all(x: f32) -> __m512 {
+    _mm512_set1_ps(x)
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
+    let dx = _mm512_sub_ps(_mm512_add_ps(all(test.first), cast(LANE)), all(test.u));
+    let (rise_x, dx_squared) = (_mm512_mul_ps(all(test.slope), dx), _mm512_mul_ps(dx, dx));
+    let (mut near, mut blocks) = ([0u16; ROWS], [0u16; ROWS]);
+    for row in 0..ROWS {
+        let texels: __m512 = cast(*rows[row]);
+        let rise = _mm512_add_ps(rise_x, all(test.rise[row]));
         let plane = _mm512_add_ps(_mm512_add_ps(all(test.nearness), rise), all(test.offset));
-        let blocks = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(texels, plane);
-        let distance = _mm512_add_ps(_mm512_mul_ps(dx, dx), all(test.dy_squared));
-        let mut near = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
+        let distance = _mm512_add_ps(dx_squared, all(test.dy_squared[row]));
+        blocks[row] = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(texels, plane);
+        near[row] = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
         if let Some(key) = test.ratio {
             let nearer = _mm512_sub_ps(texels, all(test.nearness));
             let within = _mm512_mul_ps(all(key), _mm512_mul_ps(nearer, nearer));
-            near &= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(nearer, all(0.0))
+            near[row] &= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(nearer, all(0.0))
                 & _mm512_cmp_ps_mask::<_CMP_NGT_UQ>(distance, within);
         }
-        u32::from(near) & (u32::from(blocks) ^ test.flip)
+    }
+    let (near, blocks): (u128, u128) = (cast(near), cast(blocks));
+    if test.lit { near & !blocks } else { near & blocks }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn equal(numbers: &[u32; LANES], number: u32) -> u32 {
+    u32::from(_mm512_cmpeq_epi32_mask(cast(*numbers), _mm512_set1_epi32(number as i32)))
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn group(test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
+    let (x, y): (__m512, __m512) = (cast(nodes.slope_x), cast(nodes.slope_y));
+    let (low, high): (__m512, __m512) = (cast(nodes.low), cast(nodes.high));
+    let (distance, at_center): (__m512, __m512) = (cast(test.distance), cast(test.at_center));
+    let tilt = |x: __m512, y: __m512| {
+        let (x, y) = (_mm512_abs_ps(x), _mm512_abs_ps(y));
+        _mm512_add_ps(_mm512_mul_ps(x, all(test.half[0])), _mm512_mul_ps(y, all(test.half[1])))
     };
+    let slope = test.plane.slope;
+    let spread = tilt(_mm512_sub_ps(x, all(slope.x)), _mm512_sub_ps(y, all(slope.y)));
+    let highest = _mm512_sub_ps(_mm512_add_ps(high, spread), at_center);
+    let lowest = _mm512_sub_ps(_mm512_sub_ps(low, spread), at_center);
+    let not_below = _mm512_cmp_ps_mask::<_CMP_NLE_UQ>(highest, all(test.least));
+    let not_above = _mm512_cmp_ps_mask::<_CMP_NGT_UQ>(lowest, all(test.most));
+    let (mut keys, mut outside) = (distance, 0);
+    if let Some(cone) = test.cone {
+        let nearer = _mm512_sub_ps(_mm512_add_ps(high, tilt(x, y)), all(cone.nearness));
+        keys = _mm512_div_ps(distance, _mm512_mul_ps(nearer, nearer));
+        outside = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(nearer, all(0.0))
+            | _mm512_cmp_ps_mask::<_CMP_GT_OQ>(keys, all(cone.at_most));
+    }
+    let near = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
+    Verdicts {
+        may_block: u32::from(near & not_below & !outside),
+        may_be_lit: u32::from(near & not_above),
+        keys: cast(keys),
+    }
+}
 
-    let equal = |numbers: &[u32; LANES], number: u32| {
-        u32::from(_mm512_cmpeq_epi32_mask(cast(*numbers), _mm512_set1_epi32(number as i32)))
-    };
-
-    let group = |test: &GroupTest, nodes: &NodeGroup| {
-        let GroupTest { first, size, from, to, plane, .. } = *test;
-        let zero = all(0.0);
-        let along = |cell: __m512, axis: usize| {
-            let start = _mm512_add_ps(all(first[axis]), _mm512_mul_ps(cell, all(size[axis])));
-            let end = _mm512_add_ps(start, all(size[axis] - 1.0));
-            let before = _mm512_sub_ps(start, all(to[axis]));
-            let after = _mm512_sub_ps(all(from[axis]), end);
-            let distance = _mm512_max_ps(_mm512_max_ps(before, after), zero);
-            let center = _mm512_add_ps(start, all((size[axis] - 1.0) * 0.5));
-            (_mm512_mul_ps(distance, distance), center)
-        };
-        let (dx, center_x) = along(cast(CELL_X), 0);
-        let (dy, center_y) = along(cast(CELL_Y), 1);
-        let distance = _mm512_add_ps(dx, dy);
-        let near = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
-
-        let half = [all((size[0] - 1.0) * 0.5), all((size[1] - 1.0) * 0.5)];
-        let slope: [__m512; 2] = [cast(nodes.slope_x), cast(nodes.slope_y)];
-        let (low, high): (__m512, __m512) = (cast(nodes.low), cast(nodes.high));
-        let tilt = |slope: __m512, axis: usize| _mm512_mul_ps(_mm512_abs_ps(slope), half[axis]);
-        let x = _mm512_sub_ps(center_x, all(plane.u));
-        let y = _mm512_sub_ps(center_y, all(plane.v));
-        let rise = _mm512_add_ps(
-            _mm512_mul_ps(all(plane.slope.x), x),
-            _mm512_mul_ps(all(plane.slope.y), y),
-        );
-        let at_center = _mm512_add_ps(all(plane.nearness), rise);
-        let spread = _mm512_add_ps(
-            tilt(_mm512_sub_ps(slope[0], all(plane.slope.x)), 0),
-            tilt(_mm512_sub_ps(slope[1], all(plane.slope.y)), 1),
-        );
-        let highest = _mm512_sub_ps(_mm512_add_ps(high, spread), at_center);
-        let lowest = _mm512_sub_ps(_mm512_sub_ps(low, spread), at_center);
-        let below = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(highest, all(test.least));
-        let above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(lowest, all(test.most));
-
-        let (mut keys, mut outside) = (distance, 0);
-        if let Some(cone) = test.cone {
-            let steep = _mm512_add_ps(tilt(slope[0], 0), tilt(slope[1], 1));
-            let nearer = _mm512_sub_ps(_mm512_add_ps(high, steep), all(cone.nearness));
-            keys = _mm512_div_ps(distance, _mm512_mul_ps(nearer, nearer));
-            outside = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(nearer, zero)
-                | _mm512_cmp_ps_mask::<_CMP_GT_OQ>(keys, all(cone.at_most));
-        }
-        Verdicts {
-            may_block: u32::from(near & !below & !outside),
-            may_be_lit: u32::from(near & !above),
-            keys: cast(keys),
-        }
-    };
-
-    let leaf = |texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]| {
-        let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
-        let mut planar = flat;
-        let mut nan = 0;
-        let across = _mm512_mul_ps(all(slope[0]), _mm512_add_ps(all(FIRST[0]), lane));
-        for (row, y) in texels.iter().zip(0u8..) {
-            let texels: __m512 = cast(*row);
-            let plane = _mm512_add_ps(across, all(slope[1] * (FIRST[1] + f32::from(y))));
-            let above = _mm512_sub_ps(texels, plane);
-            // Of a NaN and a number, these take the second operand.
-            flat = [_mm512_min_ps(texels, flat[0]), _mm512_max_ps(texels, flat[1])];
-            planar = [_mm512_min_ps(above, planar[0]), _mm512_max_ps(above, planar[1])];
-            nan |= _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(texels, texels);
-        }
-        let range = |[low, high]: [__m512; 2]| {
-            [_mm512_reduce_min_ps(low), _mm512_reduce_max_ps(high)]
-        };
-        Ranges { flat: range(flat), planar: range(planar), nan: nan != 0 }
-    };
-
-    job.run(&Kernels { window, equal, group, leaf });
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
+    let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
+    let mut planar = flat;
+    let mut nan = 0;
+    let rise_x = _mm512_mul_ps(all(slope[0]), _mm512_add_ps(all(FIRST[0]), cast(LANE)));
+    for (row, y) in rows.into_iter().zip(0u8..) {
+        let texels: __m512 = cast(*row);
+        let plane = _mm512_add_ps(rise_x, all(slope[1] * (FIRST[1] + f32::from(y))));
+        let above = _mm512_sub_ps(texels, plane);
+        // Of a NaN and a number, these take the second operand.
+        flat = [_mm512_min_ps(texels, flat[0]), _mm512_max_ps(texels, flat[1])];
+        planar = [_mm512_min_ps(above, planar[0]), _mm512_max_ps(above, planar[1])];
+        nan |= _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(texels, texels);
+    }
+    let range = |[low, high]: [__m512; 2]| [_mm512_reduce_min_ps(low), _mm512_reduce_max_ps(high)];
+    Ranges { flat: range(flat), planar: range(planar), nan: nan != 0 }
 }

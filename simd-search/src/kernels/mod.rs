@@ -4,12 +4,12 @@ use core::ops::Range;
 
 use shadowmap_core::{Level, LevelKind};
 
-use crate::build::{ROWS, Ranges, build};
+use crate::build::{Ranges, build};
 use crate::classify::{Verdict, classify};
-use crate::map::WINDOW;
+use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
 use crate::reach::{GroupTest, Reach, Verdicts};
-use crate::search::{Search, WindowTest};
+use crate::search::{Search, TileTest};
 use crate::traverse::each_in_pyramid;
 use crate::{Hit, IdTest, Map, Query};
 
@@ -18,50 +18,46 @@ mod avx2;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod avx512;
 pub(crate) mod scalar;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+mod sse41;
 
 /// The number of each lane.
 const LANE: [f32; LANES] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
-/// Column and row of each node in its group.
-const CELL_X: [f32; LANES] =
-    [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0];
-const CELL_Y: [f32; LANES] =
-    [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0];
-
 /// What the algorithms, written once, ask of an instruction set.
 ///
 /// Each instruction set makes one [`Kernels`] of four closures inside a function with its target
 /// features: closures have the features of the function they are made in, and everything between
 /// is `#[inline(always)]`.
 pub(crate) trait Ops {
-    /// The texels of a window that pass the test, bit i for texel i.
-    fn window(&self, test: &WindowTest, texels: &[f32; WINDOW]) -> u32;
+    /// The texels of a tile that pass the test: 16 bits for each row, the first in the lowest.
+    fn tile(&self, test: &TileTest, rows: [&Row; ROWS]) -> u128;
     /// The numbers that equal one of them, bit i for number i.
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32;
     /// What 16 nodes can hold.
     fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts;
     /// The ranges of the texels of a leaf, minus a plane with the given slope through its centre.
-    fn leaf(&self, texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]) -> Ranges;
+    fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges;
 }
 
 /// [`Ops`] of four closures.
-pub(crate) struct Kernels<W, E, G, L> {
-    pub window: W,
+pub(crate) struct Kernels<T, E, G, L> {
+    pub tile: T,
     pub equal: E,
     pub group: G,
     pub leaf: L,
 }
 
-impl<W, E, G, L> Ops for Kernels<W, E, G, L>
+impl<T, E, G, L> Ops for Kernels<T, E, G, L>
 where
-    W: Fn(&WindowTest, &[f32; WINDOW]) -> u32,
+    T: Fn(&TileTest, [&Row; ROWS]) -> u128,
     E: Fn(&[u32; LANES], u32) -> u32,
     G: Fn(&GroupTest, &NodeGroup) -> Verdicts,
-    L: Fn(&[[f32; WINDOW]; ROWS], [f32; 2]) -> Ranges,
+    L: Fn([&Row; ROWS], [f32; 2]) -> Ranges,
 {
     #[inline(always)]
-    fn window(&self, test: &WindowTest, texels: &[f32; WINDOW]) -> u32 {
-        (self.window)(test, texels)
+    fn tile(&self, test: &TileTest, rows: [&Row; ROWS]) -> u128 {
+        (self.tile)(test, rows)
     }
     #[inline(always)]
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
@@ -72,8 +68,8 @@ where
         (self.group)(test, nodes)
     }
     #[inline(always)]
-    fn leaf(&self, texels: &[[f32; WINDOW]; ROWS], slope: [f32; 2]) -> Ranges {
-        (self.leaf)(texels, slope)
+    fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
+        (self.leaf)(rows, slope)
     }
 }
 
@@ -135,6 +131,9 @@ impl Job<'_> {
 #[allow(unsafe_code)]
 pub(crate) fn run(level: Level, job: Job<'_>) {
     match level.kind() {
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        LevelKind::Sse41 => unsafe { sse41::run(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         LevelKind::Avx2 => unsafe { avx2::run(job) },
