@@ -19,7 +19,7 @@ pub(crate) struct TileTest {
     pub offset: f32,
     /// Greatest squared distance that is of use.
     pub reach_squared: f32,
-    /// For [`Key::Ratio`], the greatest key that is of use (rounded up).
+    /// For [`Key::Ratio`], the greatest key that is of use.
     pub ratio: Option<f32>,
     /// Look for texels that do not block.
     pub lit: bool,
@@ -27,6 +27,10 @@ pub(crate) struct TileTest {
     pub rise: [f32; ROWS],
     pub dy_squared: [f32; ROWS],
 }
+
+/// Kernels do not divide: they pass over texels with `distance² > ratio * nearer²`, with the ratio
+/// times this, so that rounding makes them miss none.
+pub(crate) const RATIO_ROOM: f32 = 1.0 + 1.0 / 1048576.0;
 
 /// Where a search stands. The texels asked next must beat it.
 pub(crate) struct Search<'a> {
@@ -96,9 +100,7 @@ impl<'a> Search<'a> {
         self.key = key;
         match self.query.key {
             Key::Distance => self.test.reach_squared = key,
-            // Rounded up, so that no texel is missed by a kernel, which passes over those with
-            // `distance² > key * nearer²` instead of dividing.
-            Key::Ratio { .. } => self.test.ratio = Some(key * (1.0 + 1.0 / 1048576.0)),
+            Key::Ratio { .. } => self.test.ratio = Some(key),
         }
     }
 

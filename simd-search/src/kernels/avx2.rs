@@ -12,7 +12,7 @@ use crate::kernels::{Job, Kernels, LANE};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{GroupTest, Verdicts};
-use crate::search::TileTest;
+use crate::search::{RATIO_ROOM, TileTest};
 
 /// Vectors in a tile's row or a group of nodes, and lanes in a vector.
 const PARTS: usize = 2;
@@ -59,7 +59,7 @@ fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
             let mut within = _mm256_cmp_ps::<_CMP_LE_OQ>(distance, all(test.reach_squared));
             if let Some(key) = test.ratio {
                 let nearer = _mm256_sub_ps(texels, all(test.nearness));
-                let most = _mm256_mul_ps(all(key), _mm256_mul_ps(nearer, nearer));
+                let most = _mm256_mul_ps(all(key * RATIO_ROOM), _mm256_mul_ps(nearer, nearer));
                 within = _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_GT_OQ>(nearer, all(0.0)));
                 within = _mm256_and_ps(within, _mm256_cmp_ps::<_CMP_NGT_UQ>(distance, most));
             }

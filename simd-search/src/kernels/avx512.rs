@@ -12,7 +12,7 @@ use crate::kernels::{Job, Kernels, LANE};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{GroupTest, Verdicts};
-use crate::search::TileTest;
+use crate::search::{RATIO_ROOM, TileTest};
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 pub(crate) fn run(job: Job<'_>) {
@@ -45,7 +45,7 @@ fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
         near[row] = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
         if let Some(key) = test.ratio {
             let nearer = _mm512_sub_ps(texels, all(test.nearness));
-            let within = _mm512_mul_ps(all(key), _mm512_mul_ps(nearer, nearer));
+            let within = _mm512_mul_ps(all(key * RATIO_ROOM), _mm512_mul_ps(nearer, nearer));
             near[row] &= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(nearer, all(0.0))
                 & _mm512_cmp_ps_mask::<_CMP_NGT_UQ>(distance, within);
         }

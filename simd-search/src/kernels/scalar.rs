@@ -5,7 +5,7 @@ use crate::kernels::{Job, Kernels, Ops};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{GroupTest, Verdicts};
-use crate::search::TileTest;
+use crate::search::{RATIO_ROOM, TileTest};
 
 pub(crate) fn run(job: Job<'_>) {
     job.run(&kernels());
@@ -29,7 +29,7 @@ fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
             let mut near = distance <= test.reach_squared;
             if let Some(key) = test.ratio {
                 let nearer = nearness - test.nearness;
-                let beyond = distance > key * (nearer * nearer);
+                let beyond = distance > (key * RATIO_ROOM) * (nearer * nearer);
                 near = near && nearer > 0.0 && !beyond;
             }
             found |= u16::from(near && blocks != test.lit) << column;
