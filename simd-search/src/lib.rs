@@ -1,9 +1,13 @@
 //! Nearest texel search.
 #![no_std]
 #![deny(unsafe_code)]
+// Lanes are numbered: what a loop does to several arrays at once, a vector does.
+#![allow(clippy::needless_range_loop)]
 
+mod batch;
 mod build;
 mod classify;
+mod descend;
 mod greatest;
 mod jitter;
 mod kernels;
@@ -13,8 +17,8 @@ mod pyramid;
 mod query;
 mod reach;
 mod search;
-mod traverse;
 mod visits;
+mod walk;
 
 use kernels::{Job, run};
 use shadowmap_core::Level;
@@ -23,7 +27,7 @@ pub use classify::Verdict;
 pub use map::Map;
 pub use pyramid::{IdGroup, NodeGroup, Pyramid, StorageError};
 pub use query::{Hit, IdTest, Key, Query, Side};
-pub use reach::{Cone, Reach};
+pub use reach::{Cone, Reach, Receivers};
 pub use visits::Visits;
 
 /// The answer to one query without a pyramid: what [`naive::nearest`] gives, from the rows

@@ -1,5 +1,6 @@
 //! What receivers can reach, and whether a node of the pyramid can matter to them.
 
+use glam::Vec2;
 use shadowmap_core::LightPoint;
 
 use crate::pyramid::{FAN, LANES, Layout};
@@ -51,21 +52,28 @@ impl Reach {
         }
     }
 
-    /// The reach of several receivers, each with its offset: `None` if there are none, or if any
-    /// of them has coordinates that are not finite.
+    /// The reach of several receivers: `None` if there are none, or if any of them has coordinates
+    /// that are not finite. The cone is not set.
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    #[inline(always)]
     #[must_use]
-    pub fn around(
-        receivers: impl Iterator<Item = (LightPoint, f32)> + Clone,
-        radius: f32,
-    ) -> Option<Reach> {
-        let (plane, _) = receivers.clone().next()?;
-        // Comparisons instead of `min` and `max`: what is not a number is found at the end.
-        let (mut u, mut v, mut sum) = ([plane.u; 2], [plane.v; 2], 0.0);
-        for (point, _) in receivers.clone() {
-            u = widen(u, point.u);
-            v = widen(v, point.v);
-            sum += point.u + point.v;
-        }
+    pub fn around(receivers: &Receivers<'_>, radius: f32) -> Option<Reach> {
+        let Receivers { u, v, nearness, slope_x, slope_y, offset } = *receivers;
+        let slope = Vec2::new(*slope_x.first()?, *slope_y.first()?);
+        let plane =
+            LightPoint { u: *u.first()?, v: *v.first()?, nearness: *nearness.first()?, slope };
+        let first = [plane.u, plane.v, plane.nearness, slope.x, slope.y, *offset.first()?];
+        let columns = [u, v, nearness, slope_x, slope_y, offset];
+        let mut places = [Extremes::NONE; 2];
+        for_lanes(&columns, first, |[u, v, ..]| {
+            places[0].add(u);
+            places[1].add(v);
+        });
+        let (u, v) = (places[0].fold()?, places[1].fold()?);
+
         // Half the box, with room for jitter and for rounding.
         let far = (u[0].abs() + u[1].abs()) + (v[0].abs() + v[1].abs());
         let margin = (radius + 1.0) + (far + radius) * (1.0 / 1048576.0);
@@ -73,31 +81,105 @@ impl Reach {
         let center = [(u[0] + u[1]) * 0.5, (v[0] + v[1]) * 0.5];
         let at_center = plane.plane_at(center[0], center[1]);
         // Two planes differ most at corners of the box.
-        let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
-        for (point, offset) in receivers {
-            let above = (point.plane_at(center[0], center[1]) - at_center) + offset;
-            let tilt = point.slope - plane.slope;
-            let spread = tilt.x.abs() * half[0] + tilt.y.abs() * half[1];
-            least = if above - spread < least { above - spread } else { least };
-            most = if above + spread > most { above + spread } else { most };
-            sum += above + spread;
-        }
-        sum.is_finite().then_some(Reach { u, v, radius, plane, least, most, cone: None })
+        let mut above = [Extremes::NONE; 2];
+        for_lanes(&columns, first, |[u, v, nearness, slope_x, slope_y, offset]| {
+            let (mut least, mut most) = ([0.0; LANES], [0.0; LANES]);
+            for i in 0..LANES {
+                let rise = slope_x[i] * (center[0] - u[i]) + slope_y[i] * (center[1] - v[i]);
+                let above = ((nearness[i] + rise) - at_center) + offset[i];
+                let spread =
+                    (slope_x[i] - slope.x).abs() * half[0] + (slope_y[i] - slope.y).abs() * half[1];
+                (least[i], most[i]) = (above - spread, above + spread);
+            }
+            above[0].add(&least);
+            above[1].add(&most);
+        });
+        let (least, most) = (above[0].fold()?[0], above[1].fold()?[1]);
+        Some(Reach { u, v, radius, plane, least, most, cone: None })
     }
 }
 
-/// A range that contains `x` as well.
-#[inline(always)]
-fn widen([least, most]: [f32; 2], x: f32) -> [f32; 2] {
-    [if x < least { x } else { least }, if x > most { x } else { most }]
+/// Several receivers, their coordinates in separate slices of one length: [`LightPoint`]s, and by
+/// how much nearness must exceed their planes to block them.
+#[derive(Clone, Copy, Debug)]
+pub struct Receivers<'a> {
+    /// Texel coordinates along a row.
+    pub u: &'a [f32],
+    /// Texel coordinates down the map.
+    pub v: &'a [f32],
+    /// Nearness of the receivers.
+    pub nearness: &'a [f32],
+    /// Change of their planes' nearness per texel along u.
+    pub slope_x: &'a [f32],
+    /// And along v.
+    pub slope_y: &'a [f32],
+    /// Offsets of their depth tests.
+    pub offset: &'a [f32],
 }
 
-/// What the group kernels ask of 16 nodes of one size.
+/// Calls `work` with 16 rows of a table at a time, the last ones filled up with `first`.
+#[inline(always)]
+fn for_lanes(columns: &[&[f32]; 6], first: [f32; 6], mut work: impl FnMut([&[f32; LANES]; 6])) {
+    let count = columns[0].len();
+    assert!(columns.iter().all(|column| column.len() == count), "slices of one length");
+    let whole = columns.map(|column| column.as_chunks::<LANES>());
+    for i in 0..count / LANES {
+        work(whole.map(|(chunks, _)| &chunks[i]));
+    }
+    if !count.is_multiple_of(LANES) {
+        let mut rest = first.map(|first| [first; LANES]);
+        for (rest, (_, tail)) in rest.iter_mut().zip(whole) {
+            rest[..tail.len()].copy_from_slice(tail);
+        }
+        work(rest.each_ref());
+    }
+}
+
+/// The least and the greatest of many numbers, 16 at a time.
+#[derive(Clone, Copy)]
+struct Extremes {
+    least: [f32; LANES],
+    most: [f32; LANES],
+    /// Becomes NaN with the first number that is not finite.
+    finite: [f32; LANES],
+}
+
+impl Extremes {
+    const NONE: Extremes = Extremes {
+        least: [f32::INFINITY; LANES],
+        most: [f32::NEG_INFINITY; LANES],
+        finite: [0.0; LANES],
+    };
+
+    #[inline(always)]
+    fn add(&mut self, numbers: &[f32; LANES]) {
+        for i in 0..LANES {
+            let number = numbers[i];
+            self.least[i] = if number < self.least[i] { number } else { self.least[i] };
+            self.most[i] = if number > self.most[i] { number } else { self.most[i] };
+            self.finite[i] += number * 0.0;
+        }
+    }
+
+    /// `None` if a number was not finite.
+    #[inline(always)]
+    fn fold(&self) -> Option<[f32; 2]> {
+        let (mut least, mut most, mut finite) = (self.least[0], self.most[0], 0.0);
+        for i in 0..LANES {
+            least = if self.least[i] < least { self.least[i] } else { least };
+            most = if self.most[i] > most { self.most[i] } else { most };
+            finite += self.finite[i];
+        }
+        (finite == 0.0).then_some([least, most])
+    }
+}
+
+/// What the group kernels ask of 16 nodes.
 #[derive(Clone, Copy)]
 pub(crate) struct GroupTest {
     /// Receivers are at least at `from` and at most at `to`.
-    from: [f32; 2],
-    to: [f32; 2],
+    pub from: [f32; 2],
+    pub to: [f32; 2],
     pub reach_squared: f32,
     /// The plane that nodes are compared with.
     pub plane: LightPoint,
@@ -107,16 +189,9 @@ pub(crate) struct GroupTest {
     pub most: f32,
     /// Keys are ratios, not squared distances.
     pub cone: Option<Cone>,
-    /// From the centre of a node to its outermost texel centres.
-    pub half: [f32; 2],
-    /// For each node, the least squared distance of a texel from a receiver.
-    pub distance: [f32; LANES],
-    /// For each node, the nearness of the plane at its centre.
-    pub at_center: [f32; LANES],
 }
 
 impl GroupTest {
-    /// The test of a whole map's nodes, to be placed by [`GroupTest::at`].
     #[inline(always)]
     pub fn new(reach: &Reach, layout: &Layout, jitter: f32) -> Self {
         let plane = reach.plane;
@@ -136,52 +211,40 @@ impl GroupTest {
             least: reach.least - room,
             most: reach.most + room,
             cone: reach.cone,
-            half: [0.0; 2],
-            distance: [0.0; LANES],
-            at_center: [0.0; LANES],
         }
     }
+}
 
-    /// Places the test at group (x, y) of a level.
+/// The parts of a map that 16 nodes bound: centres of their outermost texels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Boxes {
+    pub left: [f32; LANES],
+    pub right: [f32; LANES],
+    pub top: [f32; LANES],
+    pub bottom: [f32; LANES],
+}
+
+impl Boxes {
+    /// The nodes of group (x, y) of a level. Centres of texels are exact, so that distances from
+    /// them are rounded as a texel's own are: no texel of a node is closer than its box.
     #[inline(always)]
-    pub fn at(&mut self, level: usize, x: u32, y: u32) {
-        let [width, height] = Layout::node_size(level);
-        let [(dx, rise_x, half_x), (dy, rise_y, half_y)] = [
-            self.along(0, self.plane.u, self.plane.slope.x, u64::from(x), width),
-            self.along(1, self.plane.v, self.plane.slope.y, u64::from(y), height),
-        ];
-        self.half = [half_x, half_y];
+    pub fn of_group(level: usize, x: u32, y: u32) -> Boxes {
+        let [width, height] = Layout::node_size(level).map(|size| size as f32);
+        let (left, top) = ((x * FAN) as f32 * width + 0.5, (y * FAN) as f32 * height + 0.5);
+        let mut boxes = Boxes {
+            left: [left; LANES],
+            right: [left + (width - 1.0); LANES],
+            top: [top; LANES],
+            bottom: [top + (height - 1.0); LANES],
+        };
         for i in 0..LANES {
-            let (column, row) = (i % FAN as usize, i / FAN as usize);
-            self.distance[i] = dx[column] + dy[row];
-            self.at_center[i] = self.plane.nearness + (rise_x[column] + rise_y[row]);
+            let (column, row) = ((i as u32 % FAN) as f32 * width, (i as u32 / FAN) as f32 * height);
+            boxes.left[i] += column;
+            boxes.right[i] += column;
+            boxes.top[i] += row;
+            boxes.bottom[i] += row;
         }
-    }
-
-    /// Along one axis, for the four nodes of group `x`: the least squared distance, what the plane
-    /// gains from its origin to the node's centre; and from the centre to the outermost texels.
-    #[inline(always)]
-    fn along(
-        &self,
-        axis: usize,
-        origin: f32,
-        slope: f32,
-        x: u64,
-        size: u64,
-    ) -> ([f32; 4], [f32; 4], f32) {
-        let last = size as f32 - 1.0;
-        let half = last * 0.5;
-        let (mut distance, mut rise) = ([0.0; 4], [0.0; 4]);
-        for i in 0..4 {
-            // Centres of texels are exact, so these differences are rounded as a texel's own are,
-            // and none of the node's texels is closer.
-            let first = ((x * 4 + i as u64) * size) as f32 + 0.5;
-            let (before, after) = (first - self.to[axis], self.from[axis] - (first + last));
-            let gap = if before > after { before } else { after };
-            distance[i] = if gap > 0.0 { gap * gap } else { 0.0 };
-            rise[i] = slope * ((first + half) - origin);
-        }
-        (distance, rise, half)
+        boxes
     }
 }
 

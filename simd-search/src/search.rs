@@ -2,6 +2,8 @@
 
 use core::ops::Range;
 
+use shadowmap_core::LightPoint;
+
 use crate::kernels::Ops;
 use crate::map::{COLUMNS, ROWS};
 use crate::naive::reach;
@@ -10,12 +12,13 @@ use crate::{Hit, IdTest, Key, Map, Query, Side};
 /// What the tile kernels ask of 16 x 8 texels.
 #[derive(Clone, Copy)]
 pub(crate) struct TileTest {
-    /// Centre of the first column, and where the receiver lies along the row.
+    /// Centre of the first column.
     pub first: f32,
+    /// The receiver and its plane, and by how much that must be exceeded.
     pub u: f32,
-    /// The receiver's nearness, the slope of its plane along a row, and what must be exceeded.
+    v: f32,
     pub nearness: f32,
-    pub slope: f32,
+    pub slope: [f32; 2],
     pub offset: f32,
     /// Greatest squared distance that is of use.
     pub reach_squared: f32,
@@ -26,6 +29,38 @@ pub(crate) struct TileTest {
     /// For each row, what the receiver's plane gains down the map, and the squared distance.
     pub rise: [f32; ROWS],
     pub dy_squared: [f32; ROWS],
+}
+
+impl TileTest {
+    /// The test from one receiver, to be placed by [`TileTest::place`].
+    #[inline(always)]
+    pub fn new(point: &LightPoint, offset: f32, radius: f32, side: Side) -> TileTest {
+        TileTest {
+            first: 0.0,
+            u: point.u,
+            v: point.v,
+            nearness: point.nearness,
+            slope: point.slope.to_array(),
+            offset,
+            reach_squared: radius * radius,
+            ratio: None,
+            lit: side == Side::Lit,
+            rise: [0.0; ROWS],
+            dy_squared: [0.0; ROWS],
+        }
+    }
+
+    /// Places the test at the tile whose first texel is (x, y).
+    #[inline(always)]
+    pub fn place(&mut self, x: u32, y: u32) {
+        self.first = x as f32 + 0.5;
+        let top = y as f32 + 0.5;
+        for row in 0..ROWS {
+            let dy = (top + row as f32) - self.v;
+            self.rise[row] = self.slope[1] * dy;
+            self.dy_squared[row] = dy * dy;
+        }
+    }
 }
 
 /// Kernels do not divide: they pass over texels with `distance² > ratio * nearer²`, with the ratio
@@ -46,40 +81,33 @@ pub(crate) struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search that has asked no texel but the hint.
     #[inline(always)]
-    pub fn new(map: Map<'a>, query: &'a Query) -> Self {
-        let point = query.point;
+    pub fn new(map: Map<'a>, query: &'a Query, hint: Option<[u32; 2]>) -> Self {
         let mut search = Search {
             map,
             query,
             best: None,
             key: f32::INFINITY,
-            test: TileTest {
-                first: 0.0,
-                u: point.u,
-                nearness: point.nearness,
-                slope: point.slope.x,
-                offset: query.offset,
-                reach_squared: query.radius * query.radius,
-                ratio: None,
-                lit: query.side == Side::Lit,
-                rise: [0.0; ROWS],
-                dy_squared: [0.0; ROWS],
-            },
-            // Beyond 2^22 a texel's centre is no longer exact, so lanes would round differently.
-            by_tiles: (COLUMNS as u32..1 << 22).contains(&map.width())
-                && (ROWS as u32..1 << 22).contains(&map.height())
-                && query.jitter_amplitude() == 0.0,
+            test: TileTest::new(&query.point, query.offset, query.radius, query.side),
+            by_tiles: Search::is_tiled(&map) && query.jitter_amplitude() == 0.0,
         };
         if let Key::Ratio { at_most } = query.key {
             search.limit(at_most);
         }
-        if let Some([x, y]) = query.hint
+        if let Some([x, y]) = hint
             && x < map.width()
             && y < map.height()
         {
             search.ask(x, y);
         }
         search
+    }
+
+    /// Whether a map can be asked in tiles. Beyond 2^22 a texel's centre is no longer exact, so
+    /// that lanes would round differently.
+    #[inline(always)]
+    pub fn is_tiled(map: &Map<'_>) -> bool {
+        (COLUMNS as u32..1 << 22).contains(&map.width())
+            && (ROWS as u32..1 << 22).contains(&map.height())
     }
 
     /// Asks one texel. True if it is the best so far.
@@ -123,13 +151,7 @@ impl<'a> Search<'a> {
         }
         let x = x.min(self.map.width() - COLUMNS as u32);
         let y = y.min(self.map.height() - ROWS as u32);
-        self.test.first = x as f32 + 0.5;
-        let (top, point) = (y as f32 + 0.5, &self.query.point);
-        for row in 0..ROWS {
-            let dy = (top + row as f32) - point.v;
-            self.test.rise[row] = point.slope.y * dy;
-            self.test.dy_squared[row] = dy * dy;
-        }
+        self.test.place(x, y);
         let mut all = u128::MAX;
         loop {
             // Again whenever the bound has changed, so that few texels are asked in vain.

@@ -6,7 +6,7 @@ use crate::build::Ranges;
 use crate::kernels::{Job, Ops, scalar};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
-use crate::reach::{GroupTest, Verdicts};
+use crate::reach::{Boxes, GroupTest, Verdicts};
 use crate::search::TileTest;
 use crate::{Map, Pyramid, Query};
 
@@ -66,9 +66,9 @@ impl<K: Ops> Ops for Counted<K> {
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
         self.ops.equal(numbers, number)
     }
-    fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
+    fn group(&self, test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
         self.nodes.set(self.nodes.get() + LANES as u64);
-        self.ops.group(test, nodes)
+        self.ops.group(test, boxes, nodes)
     }
     fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         self.ops.leaf(rows, slope)

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{KINDS, Random, query, say_levels, storage, texels};
-use shadowmap_core::Level;
-use simd_search::{Cone, IdTest, Key, Pyramid, Query, Reach, Side, Verdict, naive};
+use shadowmap_core::{Level, LightPoint};
+use simd_search::{Cone, IdTest, Key, Pyramid, Query, Reach, Receivers, Side, Verdict, naive};
 
 #[test]
 fn clear_and_covered_hold_for_every_receiver() {
@@ -24,7 +24,7 @@ fn clear_and_covered_hold_for_every_receiver() {
             point.nearness += random.unit() * 0.01;
             receivers.push((point, first.offset));
         }
-        let Some(mut reach) = Reach::around(receivers.iter().copied(), radius) else { continue };
+        let Some(mut reach) = around(&receivers, radius) else { continue };
         let mut key = Key::Distance;
         if let Key::Ratio { at_most } = first.key {
             let nearness = receivers.iter().map(|r| r.0.nearness).fold(f32::INFINITY, f32::min);
@@ -60,7 +60,21 @@ fn clear_and_covered_hold_for_every_receiver() {
 
 #[test]
 fn an_empty_or_impossible_region_is_none() {
-    assert_eq!(Reach::around([].into_iter(), 1.0), None);
+    assert_eq!(around(&[], 1.0), None);
     let point = shadowmap_core::LightPoint::flat(f32::NAN, 0.0, 0.0);
-    assert_eq!(Reach::around([(point, 0.0)].into_iter(), 1.0), None);
+    assert_eq!(around(&[(point, 0.0)], 1.0), None);
+}
+
+/// The reach of receivers, each with its offset.
+fn around(receivers: &[(LightPoint, f32)], radius: f32) -> Option<Reach> {
+    let column = |of: fn(&(LightPoint, f32)) -> f32| receivers.iter().map(of).collect::<Vec<_>>();
+    let receivers = Receivers {
+        u: &column(|r| r.0.u),
+        v: &column(|r| r.0.v),
+        nearness: &column(|r| r.0.nearness),
+        slope_x: &column(|r| r.0.slope.x),
+        slope_y: &column(|r| r.0.slope.y),
+        offset: &column(|r| r.1),
+    };
+    Reach::around(&receivers, radius)
 }

@@ -11,7 +11,7 @@ use crate::build::{FIRST, Ranges};
 use crate::kernels::{Job, Kernels, LANE};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
-use crate::reach::{GroupTest, Verdicts};
+use crate::reach::{Boxes, GroupTest, Verdicts};
 use crate::search::{RATIO_ROOM, TileTest};
 
 /// Vectors in a tile's row or a group of nodes, and lanes in a vector.
@@ -26,7 +26,7 @@ pub(crate) fn run(job: Job<'_>) {
     job.run(&Kernels {
         tile: |test: &TileTest, rows: [&Row; ROWS]| tile(test, rows),
         equal: |numbers: &[u32; LANES], number: u32| equal(numbers, number),
-        group: |test: &GroupTest, nodes: &NodeGroup| group(test, nodes),
+        group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| group(test, boxes, nodes),
         leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(rows, slope),
     });
 }
@@ -50,7 +50,7 @@ fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
     let (mut near, mut blocks) = ([0u16; ROWS], [0u16; ROWS]);
     for part in 0..PARTS {
         let dx = _mm256_sub_ps(_mm256_add_ps(all(test.first), lane[part]), all(test.u));
-        let (rise_x, dx_squared) = (_mm256_mul_ps(all(test.slope), dx), _mm256_mul_ps(dx, dx));
+        let (rise_x, dx_squared) = (_mm256_mul_ps(all(test.slope[0]), dx), _mm256_mul_ps(dx, dx));
         for row in 0..ROWS {
             let texels = cast::<Row, Vectors>(*rows[row])[part];
             let rise = _mm256_add_ps(rise_x, all(test.rise[row]));
@@ -82,29 +82,48 @@ fn equal(numbers: &[u32; LANES], number: u32) -> u32 {
 }
 
 #[target_feature(enable = "avx2")]
-fn group(test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
-    let (x, y): (Vectors, Vectors) = (cast(nodes.slope_x), cast(nodes.slope_y));
-    let (low, high): (Vectors, Vectors) = (cast(nodes.low), cast(nodes.high));
-    let (distance, at_center): (Vectors, Vectors) = (cast(test.distance), cast(test.at_center));
-    let tilt = |x: __m256, y: __m256| {
-        let (x, y) = (_mm256_andnot_ps(all(-0.0), x), _mm256_andnot_ps(all(-0.0), y));
-        _mm256_add_ps(_mm256_mul_ps(x, all(test.half[0])), _mm256_mul_ps(y, all(test.half[1])))
+fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
+    let gap = |low: __m256, high: __m256, axis: usize| {
+        let before = _mm256_sub_ps(low, all(test.to[axis]));
+        let after = _mm256_sub_ps(all(test.from[axis]), high);
+        _mm256_max_ps(_mm256_max_ps(before, after), all(0.0))
     };
-    let slope = test.plane.slope;
-    let (mut keys, mut may_block, mut may_be_lit) = (distance, 0, 0);
+    let (left, right): (Vectors, Vectors) = (cast(boxes.left), cast(boxes.right));
+    let (top, bottom): (Vectors, Vectors) = (cast(boxes.top), cast(boxes.bottom));
+    let (slope_x, slope_y): (Vectors, Vectors) = (cast(nodes.slope_x), cast(nodes.slope_y));
+    let (low, high): (Vectors, Vectors) = (cast(nodes.low), cast(nodes.high));
+    let plane = test.plane;
+    let (mut keys, mut may_block, mut may_be_lit) = ([all(0.0); PARTS], 0, 0);
     for part in 0..PARTS {
-        let (x, y) = (x[part], y[part]);
-        let spread = tilt(_mm256_sub_ps(x, all(slope.x)), _mm256_sub_ps(y, all(slope.y)));
-        let highest = _mm256_sub_ps(_mm256_add_ps(high[part], spread), at_center[part]);
-        let lowest = _mm256_sub_ps(_mm256_sub_ps(low[part], spread), at_center[part]);
-        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(distance[part], all(test.reach_squared));
+        let (left, right, top, bottom) = (left[part], right[part], top[part], bottom[part]);
+        let (dx, dy) = (gap(left, right, 0), gap(top, bottom, 1));
+        let distance = _mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy));
+        keys[part] = distance;
+
+        let x = _mm256_sub_ps(_mm256_mul_ps(_mm256_add_ps(left, right), all(0.5)), all(plane.u));
+        let y = _mm256_sub_ps(_mm256_mul_ps(_mm256_add_ps(top, bottom), all(0.5)), all(plane.v));
+        let (x, y) = (_mm256_mul_ps(all(plane.slope.x), x), _mm256_mul_ps(all(plane.slope.y), y));
+        let at_center = _mm256_add_ps(all(plane.nearness), _mm256_add_ps(x, y));
+
+        let half_x = _mm256_mul_ps(_mm256_sub_ps(right, left), all(0.5));
+        let half_y = _mm256_mul_ps(_mm256_sub_ps(bottom, top), all(0.5));
+        let tilt = |x: __m256, y: __m256| {
+            let (x, y) = (_mm256_andnot_ps(all(-0.0), x), _mm256_andnot_ps(all(-0.0), y));
+            _mm256_add_ps(_mm256_mul_ps(x, half_x), _mm256_mul_ps(y, half_y))
+        };
+        let (x, y) = (slope_x[part], slope_y[part]);
+        let spread =
+            tilt(_mm256_sub_ps(x, all(plane.slope.x)), _mm256_sub_ps(y, all(plane.slope.y)));
+        let highest = _mm256_sub_ps(_mm256_add_ps(high[part], spread), at_center);
+        let lowest = _mm256_sub_ps(_mm256_sub_ps(low[part], spread), at_center);
+        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(distance, all(test.reach_squared));
         let not_above = _mm256_cmp_ps::<_CMP_NGT_UQ>(lowest, all(test.most));
         let mut counts =
             _mm256_and_ps(near, _mm256_cmp_ps::<_CMP_NLE_UQ>(highest, all(test.least)));
         if let Some(cone) = test.cone {
             let most = _mm256_add_ps(high[part], tilt(x, y));
             let nearer = _mm256_sub_ps(most, all(cone.nearness));
-            keys[part] = _mm256_div_ps(distance[part], _mm256_mul_ps(nearer, nearer));
+            keys[part] = _mm256_div_ps(distance, _mm256_mul_ps(nearer, nearer));
             counts = _mm256_and_ps(counts, _mm256_cmp_ps::<_CMP_NLE_UQ>(nearer, all(0.0)));
             counts =
                 _mm256_and_ps(counts, _mm256_cmp_ps::<_CMP_NGT_UQ>(keys[part], all(cone.at_most)));

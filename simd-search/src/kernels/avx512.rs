@@ -11,7 +11,7 @@ use crate::build::{FIRST, Ranges};
 use crate::kernels::{Job, Kernels, LANE};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
-use crate::reach::{GroupTest, Verdicts};
+use crate::reach::{Boxes, GroupTest, Verdicts};
 use crate::search::{RATIO_ROOM, TileTest};
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
@@ -20,7 +20,7 @@ pub(crate) fn run(job: Job<'_>) {
     job.run(&Kernels {
         tile: |test: &TileTest, rows: [&Row; ROWS]| tile(test, rows),
         equal: |numbers: &[u32; LANES], number: u32| equal(numbers, number),
-        group: |test: &GroupTest, nodes: &NodeGroup| group(test, nodes),
+        group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| group(test, boxes, nodes),
         leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(rows, slope),
     });
 }
@@ -34,7 +34,7 @@ fn all(x: f32) -> __m512 {
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
     let dx = _mm512_sub_ps(_mm512_add_ps(all(test.first), cast(LANE)), all(test.u));
-    let (rise_x, dx_squared) = (_mm512_mul_ps(all(test.slope), dx), _mm512_mul_ps(dx, dx));
+    let (rise_x, dx_squared) = (_mm512_mul_ps(all(test.slope[0]), dx), _mm512_mul_ps(dx, dx));
     let (mut near, mut blocks) = ([0u16; ROWS], [0u16; ROWS]);
     for row in 0..ROWS {
         let texels: __m512 = cast(*rows[row]);
@@ -60,16 +60,32 @@ fn equal(numbers: &[u32; LANES], number: u32) -> u32 {
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn group(test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
-    let (x, y): (__m512, __m512) = (cast(nodes.slope_x), cast(nodes.slope_y));
-    let (low, high): (__m512, __m512) = (cast(nodes.low), cast(nodes.high));
-    let (distance, at_center): (__m512, __m512) = (cast(test.distance), cast(test.at_center));
+fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
+    let gap = |low: __m512, high: __m512, axis: usize| {
+        let before = _mm512_sub_ps(low, all(test.to[axis]));
+        let after = _mm512_sub_ps(all(test.from[axis]), high);
+        _mm512_max_ps(_mm512_max_ps(before, after), all(0.0))
+    };
+    let (left, right): (__m512, __m512) = (cast(boxes.left), cast(boxes.right));
+    let (top, bottom): (__m512, __m512) = (cast(boxes.top), cast(boxes.bottom));
+    let (dx, dy) = (gap(left, right, 0), gap(top, bottom, 1));
+    let distance = _mm512_add_ps(_mm512_mul_ps(dx, dx), _mm512_mul_ps(dy, dy));
+
+    let plane = test.plane;
+    let x = _mm512_sub_ps(_mm512_mul_ps(_mm512_add_ps(left, right), all(0.5)), all(plane.u));
+    let y = _mm512_sub_ps(_mm512_mul_ps(_mm512_add_ps(top, bottom), all(0.5)), all(plane.v));
+    let (x, y) = (_mm512_mul_ps(all(plane.slope.x), x), _mm512_mul_ps(all(plane.slope.y), y));
+    let at_center = _mm512_add_ps(all(plane.nearness), _mm512_add_ps(x, y));
+
+    let half_x = _mm512_mul_ps(_mm512_sub_ps(right, left), all(0.5));
+    let half_y = _mm512_mul_ps(_mm512_sub_ps(bottom, top), all(0.5));
     let tilt = |x: __m512, y: __m512| {
         let (x, y) = (_mm512_abs_ps(x), _mm512_abs_ps(y));
-        _mm512_add_ps(_mm512_mul_ps(x, all(test.half[0])), _mm512_mul_ps(y, all(test.half[1])))
+        _mm512_add_ps(_mm512_mul_ps(x, half_x), _mm512_mul_ps(y, half_y))
     };
-    let slope = test.plane.slope;
-    let spread = tilt(_mm512_sub_ps(x, all(slope.x)), _mm512_sub_ps(y, all(slope.y)));
+    let (x, y): (__m512, __m512) = (cast(nodes.slope_x), cast(nodes.slope_y));
+    let (low, high): (__m512, __m512) = (cast(nodes.low), cast(nodes.high));
+    let spread = tilt(_mm512_sub_ps(x, all(plane.slope.x)), _mm512_sub_ps(y, all(plane.slope.y)));
     let highest = _mm512_sub_ps(_mm512_add_ps(high, spread), at_center);
     let lowest = _mm512_sub_ps(_mm512_sub_ps(low, spread), at_center);
     let not_below = _mm512_cmp_ps_mask::<_CMP_NLE_UQ>(highest, all(test.least));

@@ -4,13 +4,13 @@ use core::ops::Range;
 
 use shadowmap_core::{Level, LevelKind};
 
+use crate::batch::each_in_pyramid;
 use crate::build::{Ranges, build};
 use crate::classify::{Verdict, classify};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
-use crate::reach::{GroupTest, Reach, Verdicts};
+use crate::reach::{Boxes, GroupTest, Reach, Verdicts};
 use crate::search::{Search, TileTest};
-use crate::traverse::each_in_pyramid;
 use crate::{Hit, IdTest, Map, Query};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -35,7 +35,7 @@ pub(crate) trait Ops {
     /// The numbers that equal one of them, bit i for number i.
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32;
     /// What 16 nodes can hold.
-    fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts;
+    fn group(&self, test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts;
     /// The ranges of the texels of a leaf, minus a plane with the given slope through its centre.
     fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges;
 }
@@ -52,7 +52,7 @@ impl<T, E, G, L> Ops for Kernels<T, E, G, L>
 where
     T: Fn(&TileTest, [&Row; ROWS]) -> u128,
     E: Fn(&[u32; LANES], u32) -> u32,
-    G: Fn(&GroupTest, &NodeGroup) -> Verdicts,
+    G: Fn(&GroupTest, &Boxes, &NodeGroup) -> Verdicts,
     L: Fn([&Row; ROWS], [f32; 2]) -> Ranges,
 {
     #[inline(always)]
@@ -64,8 +64,8 @@ where
         (self.equal)(numbers, number)
     }
     #[inline(always)]
-    fn group(&self, test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
-        (self.group)(test, nodes)
+    fn group(&self, test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
+        (self.group)(test, boxes, nodes)
     }
     #[inline(always)]
     fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
@@ -109,7 +109,7 @@ impl Job<'_> {
     pub(crate) fn run(self, ops: &impl Ops) {
         match self {
             Job::InBox { map, query, hit } => {
-                let mut search = Search::new(map, query);
+                let mut search = Search::new(map, query, query.hint);
                 search.ask_box(ops);
                 *hit = search.best;
             }

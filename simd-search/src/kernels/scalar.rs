@@ -4,7 +4,7 @@ use crate::build::{FIRST, Ranges};
 use crate::kernels::{Job, Kernels, Ops};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
-use crate::reach::{GroupTest, Verdicts};
+use crate::reach::{Boxes, GroupTest, Verdicts};
 use crate::search::{RATIO_ROOM, TileTest};
 
 pub(crate) fn run(job: Job<'_>) {
@@ -23,7 +23,7 @@ fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
         let mut found = 0;
         for (column, &nearness) in rows[row].iter().enumerate() {
             let dx = (test.first + column as f32) - test.u;
-            let plane = test.nearness + (test.slope * dx + test.rise[row]);
+            let plane = test.nearness + (test.slope[0] * dx + test.rise[row]);
             let blocks = nearness > plane + test.offset;
             let distance = dx * dx + test.dy_squared[row];
             let mut near = distance <= test.reach_squared;
@@ -43,22 +43,36 @@ fn equal(numbers: &[u32; LANES], number: u32) -> u32 {
     (0..LANES).fold(0, |found, i| found | u32::from(numbers[i] == number) << i)
 }
 
-fn group(test: &GroupTest, nodes: &NodeGroup) -> Verdicts {
-    let mut verdicts = Verdicts { may_block: 0, may_be_lit: 0, keys: test.distance };
-    let slope = test.plane.slope;
+fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
+    let mut verdicts = Verdicts { may_block: 0, may_be_lit: 0, keys: [0.0; LANES] };
+    let plane = test.plane;
     for i in 0..LANES {
-        let tilt = |x: f32, y: f32| x.abs() * test.half[0] + y.abs() * test.half[1];
-        let spread = tilt(nodes.slope_x[i] - slope.x, nodes.slope_y[i] - slope.y);
-        let below = (nodes.high[i] + spread) - test.at_center[i] <= test.least;
-        let above = (nodes.low[i] - spread) - test.at_center[i] > test.most;
-        let mut outside = false;
+        let gap = |low: f32, high: f32, axis: usize| {
+            let (before, after) = (low - test.to[axis], test.from[axis] - high);
+            let gap = if before > after { before } else { after };
+            if gap > 0.0 { gap } else { 0.0 }
+        };
+        let (dx, dy) =
+            (gap(boxes.left[i], boxes.right[i], 0), gap(boxes.top[i], boxes.bottom[i], 1));
+        let distance = dx * dx + dy * dy;
+        let x = (boxes.left[i] + boxes.right[i]) * 0.5 - plane.u;
+        let y = (boxes.top[i] + boxes.bottom[i]) * 0.5 - plane.v;
+        let at_center = plane.nearness + (plane.slope.x * x + plane.slope.y * y);
+        let half_x = (boxes.right[i] - boxes.left[i]) * 0.5;
+        let half_y = (boxes.bottom[i] - boxes.top[i]) * 0.5;
+        let tilt = |x: f32, y: f32| x.abs() * half_x + y.abs() * half_y;
+        let spread = tilt(nodes.slope_x[i] - plane.slope.x, nodes.slope_y[i] - plane.slope.y);
+        let below = (nodes.high[i] + spread) - at_center <= test.least;
+        let above = (nodes.low[i] - spread) - at_center > test.most;
+        let (mut key, mut outside) = (distance, false);
         if let Some(cone) = test.cone {
             let most = nodes.high[i] + tilt(nodes.slope_x[i], nodes.slope_y[i]);
             let nearer = most - cone.nearness;
-            verdicts.keys[i] = test.distance[i] / (nearer * nearer);
-            outside = nearer <= 0.0 || verdicts.keys[i] > cone.at_most;
+            key = distance / (nearer * nearer);
+            outside = nearer <= 0.0 || key > cone.at_most;
         }
-        let near = test.distance[i] <= test.reach_squared;
+        let near = distance <= test.reach_squared;
+        verdicts.keys[i] = key;
         verdicts.may_block |= u32::from(near && !below && !outside) << i;
         verdicts.may_be_lit |= u32::from(near && !above) << i;
     }
