@@ -69,8 +69,11 @@ pub(super) fn normals(obj: &Obj, budget: &mut Budget) -> Result<Vec<Vec3>, Fault
                 .iter()
                 .map(|&g| (&obj.faces[g as usize], face_normals[g as usize]))
                 .filter(|(g, _)| g.smooth && g.object == face.object)
-                .filter(|(_, n)| n.normalize_or_zero().dot(own_direction) >= EDGE)
-                .map(|(_, n)| n)
+                .filter_map(|(_, n)| {
+                    // Neighbours of open sheets may be wound the other way.
+                    let cosine = n.normalize_or_zero().dot(own_direction);
+                    (cosine.abs() >= EDGE).then(|| n * cosine.signum())
+                })
                 .sum();
             *normal = sum.normalize_or_zero();
         }
