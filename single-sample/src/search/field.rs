@@ -6,8 +6,24 @@ use super::receiver::Receiver;
 use super::segments::is_within;
 use crate::LightMap;
 
+/// Columns of texels that are tested at a time.
+pub(crate) const BLOCK_COLUMNS: usize = 16;
+/// Rows of texels that are tested at a time: those of a leaf of the pyramid, and the next.
+pub(crate) const BLOCK_ROWS: usize = 9;
+
+/// Nearness of texels side by side.
+pub(crate) type Row = [f32; BLOCK_COLUMNS];
+
+/// The number of each texel in a row.
+pub(crate) const LANE: Row =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
 /// Texels that are tested at a time.
-pub(crate) const WINDOW: usize = 16;
+pub(crate) struct Block<'a> {
+    /// The centre of the first.
+    pub first: [f32; 2],
+    pub rows: [&'a Row; BLOCK_ROWS],
+}
 
 /// One texel of a map in either layout. Its nearness is in the unit that
 /// [`super::geometry::Geometry::unit`] says.
@@ -15,7 +31,8 @@ pub(crate) trait Texel: Copy + Sync {
     /// Nearness of the map per nearness of the view.
     fn unit(view: &View) -> f32;
     fn nearness(self) -> f32;
-    fn window(texels: &[Self; WINDOW]) -> [f32; WINDOW];
+    /// The nearness of a row of texels, which may be written to `room`.
+    fn row<'a>(texels: &'a [Self; BLOCK_COLUMNS], room: &'a mut Row) -> &'a Row;
 }
 
 impl Texel for f32 {
@@ -27,8 +44,8 @@ impl Texel for f32 {
         self
     }
     #[inline(always)]
-    fn window(texels: &[f32; WINDOW]) -> [f32; WINDOW] {
-        *texels
+    fn row<'a>(texels: &'a Row, _: &'a mut Row) -> &'a Row {
+        texels
     }
 }
 
@@ -43,12 +60,11 @@ impl Texel for u32 {
         (self >> 8) as i32 as f32
     }
     #[inline(always)]
-    fn window(texels: &[u32; WINDOW]) -> [f32; WINDOW] {
-        let mut window = [0.0; WINDOW];
-        for (nearness, texel) in window.iter_mut().zip(texels) {
+    fn row<'a>(texels: &'a [u32; BLOCK_COLUMNS], room: &'a mut Row) -> &'a Row {
+        for (nearness, texel) in room.iter_mut().zip(texels) {
             *nearness = texel.nearness();
         }
-        window
+        room
     }
 }
 
@@ -96,21 +112,29 @@ impl<'a, T: Texel> Field<'a, T> {
         }
     }
 
-    /// Nearness of `WINDOW` texels of a row, from column x on.
+    /// The block whose first texel is (x, y); NaN outside the map. Texels that cannot be borrowed
+    /// are written to `room`.
     #[inline(always)]
-    pub fn window(&self, x: i32, y: i32) -> [f32; WINDOW] {
-        if x >= 0 && x <= self.width - WINDOW as i32 && (0..self.height).contains(&y) {
-            let start = y as usize * self.width as usize + x as usize;
-            let texels: &[T; WINDOW] =
-                self.texels[start..].first_chunk().expect("a window lies within its row");
-            T::window(texels)
-        } else {
-            let mut window = [f32::NAN; WINDOW];
-            for (nearness, x) in window.iter_mut().zip(x..) {
-                *nearness = self.nearness(x, y);
+    pub fn block<'b>(&'b self, x: i32, y: i32, room: &'b mut [Row; BLOCK_ROWS]) -> Block<'b> {
+        const COLUMNS: i32 = BLOCK_COLUMNS as i32;
+        const ROWS: i32 = BLOCK_ROWS as i32;
+        let first = [x as f32 + 0.5, y as f32 + 0.5];
+        if x < 0 || y < 0 || x > self.width - COLUMNS || y > self.height - ROWS {
+            for (row, y) in room.iter_mut().zip(y..) {
+                for (nearness, x) in row.iter_mut().zip(x..) {
+                    *nearness = self.nearness(x, y);
+                }
             }
-            window
+            return Block { first, rows: room.each_ref() };
         }
+        let mut start = y as usize * self.width as usize + x as usize;
+        let mut rows: [&Row; BLOCK_ROWS] = [&LANE; BLOCK_ROWS];
+        for (row, room) in rows.iter_mut().zip(room) {
+            let texels = self.texels[start..].first_chunk().expect("the block lies in the map");
+            *row = T::row(texels, room);
+            start += self.width as usize;
+        }
+        Block { first, rows }
     }
 
     /// Which of the four texels with their centres around (u, v) block the receiver, as an index

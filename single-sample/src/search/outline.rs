@@ -1,6 +1,6 @@
 //! Finding the outline of the blockers in a part of the map.
 
-use super::field::{Field, Test, Texel, WINDOW};
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Test, Texel};
 use super::kernels::Ops;
 use super::segments::{PIECES, Segments};
 
@@ -34,7 +34,8 @@ pub(crate) enum Outcome {
 /// Places in a row that are looked at together.
 pub(crate) const STRIP: i32 = 48;
 
-/// Adds the outline within `places`, no wider than [`STRIP`], to `segments`.
+/// Adds the outline within `places`, no more than [`STRIP`] columns and a block's rows, to
+/// `segments`.
 #[inline(always)]
 pub(crate) fn outline<T: Texel>(
     ops: &impl Ops,
@@ -43,18 +44,32 @@ pub(crate) fn outline<T: Texel>(
     places: Places,
     segments: &mut Segments,
 ) -> Outcome {
-    let [x, end] = places.columns;
+    let [left, right] = places.columns;
     let [top, bottom] = places.rows;
-    let count = end - x;
-    let Some(mut upper) = blocking(ops, field, test, x, top, count + 1) else {
+    let (columns, rows) = (right - left, (bottom - top) as usize);
+    let mut room = [LANE; BLOCK_ROWS];
+    let mut disputed = 0;
+    let mut all = [0_u64; BLOCK_ROWS];
+    // Places reach to the texel after them.
+    let used = u64::MAX >> (63 - columns);
+    let mut x = 0;
+    while x <= columns {
+        let block = field.block(left + x, top, &mut room);
+        let [some, every] = ops.blocking(test, &block);
+        for y in 0..BLOCK_ROWS {
+            all[y] |= u64::from(every[y]) << x;
+            let differs = u64::from(some[y] ^ every[y]) << x & used;
+            disputed |= if y <= rows { differs } else { 0 };
+        }
+        x += BLOCK_COLUMNS as i32;
+    }
+    if disputed != 0 {
         return Outcome::Ambiguous;
-    };
-    for y in top..bottom {
-        let Some(lower) = blocking(ops, field, test, x, y + 1, count + 1) else {
-            return Outcome::Ambiguous;
-        };
+    }
+    for y in 0..rows {
+        let (upper, lower) = (all[y], all[y + 1]);
         let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
-        let mut places = differs & !(u64::MAX << count);
+        let mut places = differs & used >> 1;
         while places != 0 {
             let i = places.trailing_zeros();
             places &= places - 1;
@@ -63,36 +78,10 @@ pub(crate) fn outline<T: Texel>(
             if segments.is_full() {
                 return Outcome::Full;
             }
-            add(field, x + i as i32, y, code, segments);
+            add(field, left + i as i32, top + y as i32, code, segments);
         }
-        upper = lower;
     }
     Outcome::Complete
-}
-
-/// Which of the first `count <= 64` texels of a row block; `None` if the receivers do not agree.
-#[inline(always)]
-fn blocking<T: Texel>(
-    ops: &impl Ops,
-    field: &Field<'_, T>,
-    test: &Test,
-    x: i32,
-    y: i32,
-    count: i32,
-) -> Option<u64> {
-    let t = y as f32 + 0.5;
-    let rows = test.above.map(|above| above - test.hv * t);
-    let (mut all, mut disputed) = (0_u64, 0_u64);
-    let mut done = 0;
-    while done < count {
-        let window = field.window(x + done, y);
-        let [some, every] = ops.blocking(test, rows, (x + done) as f32 + 0.5, &window);
-        all |= u64::from(every) << done;
-        disputed |= u64::from(some ^ every) << done;
-        done += WINDOW as i32;
-    }
-    let used = u64::MAX >> (64 - count);
-    (disputed & used == 0).then_some(all & used)
 }
 
 #[inline(always)]

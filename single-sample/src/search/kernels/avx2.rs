@@ -1,4 +1,4 @@
-//! The operation with AVX2: a window is two vectors.
+//! The operation with AVX2: a row of a block is two vectors.
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -7,32 +7,36 @@ use core::arch::x86_64::*;
 
 use bytemuck::cast;
 
-use super::{LANE, Texels, Work};
-use crate::search::field::Test;
+use super::{Bits, Work};
+use crate::search::field::{BLOCK_ROWS, Block, LANE, Test};
 
 #[target_feature(enable = "avx2")]
 pub(crate) fn run(work: impl Work) {
-    work.run(&|test: &Test, rows: [f32; 2], column: f32, texels: &Texels| {
-        blocking(test, rows, column, texels)
-    });
+    work.run(&|test: &Test, block: &Block<'_>| blocking(test, block));
 }
 
 #[target_feature(enable = "avx2")]
 #[inline]
-fn blocking(test: &Test, rows: [f32; 2], column: f32, texels: &Texels) -> [u32; 2] {
-    let (texels, lanes): ([__m256; 2], [__m256; 2]) = (cast(*texels), cast(LANE));
-    let mut found = [0; 2];
-    for part in 0..2 {
-        let columns = _mm256_add_ps(_mm256_set1_ps(column), lanes[part]);
-        let along = _mm256_mul_ps(_mm256_set1_ps(test.hu), columns);
-        let height = _mm256_mul_ps(_mm256_set1_ps(test.hn), texels[part]);
-        for i in 0..2 {
-            let plane = _mm256_sub_ps(_mm256_set1_ps(rows[i]), along);
-            let is_above = _mm256_cmp_ps::<_CMP_GT_OQ>(height, plane);
-            let least = _mm256_set1_ps(test.nearness[i]);
-            let nearer = _mm256_cmp_ps::<_CMP_GT_OQ>(texels[part], least);
-            let both = _mm256_movemask_ps(_mm256_and_ps(is_above, nearer));
-            found[i] |= (both as u32) << (8 * part);
+fn blocking(test: &Test, block: &Block<'_>) -> [Bits; 2] {
+    let all = |value: f32| _mm256_set1_ps(value);
+    let lanes: [__m256; 2] = cast(LANE);
+    let along =
+        lanes.map(|lane| _mm256_mul_ps(all(test.hu), _mm256_add_ps(all(block.first[0]), lane)));
+    let mut found = [[0; BLOCK_ROWS]; 2];
+    for (y, row) in block.rows.iter().enumerate() {
+        let t = block.first[1] + y as f32;
+        let texels: [__m256; 2] = cast(**row);
+        for k in 0..2 {
+            let row = all(test.above[k] - test.hv * t);
+            let least = all(test.nearness[k]);
+            for part in 0..2 {
+                let height = _mm256_mul_ps(all(test.hn), texels[part]);
+                let plane = _mm256_sub_ps(row, along[part]);
+                let is_above = _mm256_cmp_ps::<_CMP_GT_OQ>(height, plane);
+                let nearer = _mm256_cmp_ps::<_CMP_GT_OQ>(texels[part], least);
+                let bits = _mm256_movemask_ps(_mm256_and_ps(is_above, nearer));
+                found[k][y] |= (bits as u16) << (8 * part);
+            }
         }
     }
     found

@@ -1,4 +1,4 @@
-//! The operation with AVX-512: a window is one vector.
+//! The operation with AVX-512: a row of a block is one vector.
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -7,28 +7,30 @@ use core::arch::x86_64::*;
 
 use bytemuck::cast;
 
-use super::{LANE, Texels, Work};
-use crate::search::field::Test;
+use super::{Bits, Work};
+use crate::search::field::{BLOCK_ROWS, Block, LANE, Test};
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 pub(crate) fn run(work: impl Work) {
-    work.run(&|test: &Test, rows: [f32; 2], column: f32, texels: &Texels| {
-        blocking(test, rows, column, texels)
-    });
+    work.run(&|test: &Test, block: &Block<'_>| blocking(test, block));
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 #[inline]
-fn blocking(test: &Test, rows: [f32; 2], column: f32, texels: &Texels) -> [u32; 2] {
-    let texels: __m512 = cast(*texels);
-    let columns = _mm512_add_ps(_mm512_set1_ps(column), cast(LANE));
-    let along = _mm512_mul_ps(_mm512_set1_ps(test.hu), columns);
-    let height = _mm512_mul_ps(_mm512_set1_ps(test.hn), texels);
-    let found = |row: f32, least: f32| {
-        let plane = _mm512_sub_ps(_mm512_set1_ps(row), along);
-        let is_above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(height, plane);
-        let nearer = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(texels, _mm512_set1_ps(least));
-        u32::from(is_above & nearer)
-    };
-    [found(rows[0], test.nearness[0]), found(rows[1], test.nearness[1])]
+fn blocking(test: &Test, block: &Block<'_>) -> [Bits; 2] {
+    let all = |value: f32| _mm512_set1_ps(value);
+    let along = _mm512_mul_ps(all(test.hu), _mm512_add_ps(all(block.first[0]), cast(LANE)));
+    let mut found = [[0; BLOCK_ROWS]; 2];
+    for (y, row) in block.rows.iter().enumerate() {
+        let t = block.first[1] + y as f32;
+        let texels: __m512 = cast(**row);
+        let height = _mm512_mul_ps(all(test.hn), texels);
+        for k in 0..2 {
+            let plane = _mm512_sub_ps(all(test.above[k] - test.hv * t), along);
+            let is_above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(height, plane);
+            let least = all(test.nearness[k]);
+            found[k][y] = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(is_above, texels, least);
+        }
+    }
+    found
 }

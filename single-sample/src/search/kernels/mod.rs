@@ -5,7 +5,7 @@
 
 use shadowmap_core::{Level, LevelKind};
 
-use super::field::{Test, WINDOW};
+use super::field::{BLOCK_ROWS, Block, Test};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod avx2;
@@ -14,27 +14,22 @@ mod avx512;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod sse41;
 
-pub(crate) type Texels = [f32; WINDOW];
+/// A bit per texel of a block, row by row: texel i of a row is bit i.
+pub(crate) type Bits = [u16; BLOCK_ROWS];
 
-/// The number of each lane.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-const LANE: Texels =
-    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
-
-/// Which of the texels of a window block some, and which all of a test's receivers: of texel i,
-/// bit i. `rows` is `above - hv * t`, `column` the first texel's centre.
+/// Which of the texels of a block block some, and which all of a test's receivers.
 ///
 /// Each instruction set makes a closure inside a function with its target features: closures
 /// have the features of the function they are made in, and everything between is
 /// `#[inline(always)]`.
 pub(crate) trait Ops {
-    fn blocking(&self, test: &Test, rows: [f32; 2], column: f32, texels: &Texels) -> [u32; 2];
+    fn blocking(&self, test: &Test, block: &Block<'_>) -> [Bits; 2];
 }
 
-impl<F: Fn(&Test, [f32; 2], f32, &Texels) -> [u32; 2]> Ops for F {
+impl<F: Fn(&Test, &Block<'_>) -> [Bits; 2]> Ops for F {
     #[inline(always)]
-    fn blocking(&self, test: &Test, rows: [f32; 2], column: f32, texels: &Texels) -> [u32; 2] {
-        self(test, rows, column, texels)
+    fn blocking(&self, test: &Test, block: &Block<'_>) -> [Bits; 2] {
+        self(test, block)
     }
 }
 
@@ -64,13 +59,17 @@ pub(crate) fn run(level: Level, work: impl Work) {
 
 /// The operation in plain Rust: what all others equal bit for bit.
 #[inline(always)]
-pub(crate) fn plain(test: &Test, rows: [f32; 2], column: f32, texels: &Texels) -> [u32; 2] {
-    let mut found = [0; 2];
-    for (i, &nearness) in texels.iter().enumerate() {
-        let along = test.hu * (column + i as f32);
-        for (found, (row, least)) in found.iter_mut().zip(rows.into_iter().zip(test.nearness)) {
-            let blocks = test.hn * nearness > row - along && nearness > least;
-            *found |= u32::from(blocks) << i;
+fn plain(test: &Test, block: &Block<'_>) -> [Bits; 2] {
+    let mut found = [[0; BLOCK_ROWS]; 2];
+    for (y, texels) in block.rows.iter().enumerate() {
+        let t = block.first[1] + y as f32;
+        for k in 0..2 {
+            let row = test.above[k] - test.hv * t;
+            for (i, &nearness) in texels.iter().enumerate() {
+                let along = test.hu * (block.first[0] + i as f32);
+                let blocks = (test.hn * nearness > row - along) & (nearness > test.nearness[k]);
+                found[k][y] |= u16::from(blocks) << i;
+            }
         }
     }
     found
