@@ -28,6 +28,9 @@ impl Line {
             let mine = s.splat_i(self.payload as i32);
             let mut x = first;
             loop {
+                // Triangles go down: the next row is as good as ordered.
+                s.prefetch(nearness.as_ptr().wrapping_add(x + nearness.len()).cast());
+                s.prefetch(payload.as_ptr().wrapping_add(x + payload.len()).cast());
                 s.store_f(&mut nearness[x..], self.window(s, x));
                 s.store_u(&mut payload[x..], mine);
                 if x + S::LANES >= end {

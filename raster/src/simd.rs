@@ -93,6 +93,10 @@ pub(crate) trait Simd: Copy {
     fn store_u(self, to: &mut [u32], a: Self::I);
     fn store_d(self, to: &mut [f64; MAX_LANES], a: Self::D);
 
+    /// Fetches what is soon to be written. The address need not be valid.
+    #[inline(always)]
+    fn prefetch(self, _at: *const u8) {}
+
     /// Stores the lanes of `m` and leaves the others as they are.
     #[inline(always)]
     fn blend_f(self, to: &mut [f32], m: Self::M, a: Self::F) {

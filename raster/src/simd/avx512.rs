@@ -89,6 +89,7 @@ impl Simd for Avx512 {
         blend_f(to: &mut [f32], m: M, a: F) = _mm512_mask_storeu_ps(to[..16].as_mut_ptr(), m, a);
         blend_u(to: &mut [u32], m: M, a: I) =
             _mm512_mask_storeu_epi32(to[..16].as_mut_ptr().cast(), m, a);
+        prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
 
         gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
             -> [(F, F); 3] = {

@@ -87,6 +87,7 @@ impl Simd for Sse41 {
             _mm_storeu_pd(to[..2].as_mut_ptr(), a[0]);
             _mm_storeu_pd(to[2..4].as_mut_ptr(), a[1]);
         };
+        prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
 
         gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
             -> [(F, F); 3] = [
