@@ -3,8 +3,8 @@
 use core::ops::Range;
 
 use crate::AlphaMask;
-use crate::bins::{Chunk, Fragments, Grid, Large, MAX_ROWS, Masked, Small};
-use crate::line::{Line, clamp, depth_test};
+use crate::bins::{Chunk, Fragments, Grid, Large, MAX_ROWS, Masked};
+use crate::line::Line;
 use crate::plain::is_nearer;
 use crate::simd::{Simd, kernel};
 use crate::span::Spans;
@@ -64,9 +64,9 @@ fn draw_band_body<S: Simd>(
 impl Rows<'_> {
     /// The rows of the map that lie in the band.
     #[inline(always)]
-    fn range(&self) -> Range<i32> {
+    pub(crate) fn range(&self) -> Range<i32> {
         let first = self.band << self.grid.shift;
-        first as i32..(first + self.grid.rows()) as i32
+        first as i32..(first + self.grid.rows()).min(self.grid.height as usize) as i32
     }
 
     #[inline(always)]
@@ -99,47 +99,6 @@ impl Rows<'_> {
             };
             if is_nearer(near, mine, *nearness, *payload) {
                 (*nearness, *payload) = (near, mine);
-            }
-        }
-    }
-
-    /// Draws strips as wide as the vectors are, row by row.
-    #[inline(always)]
-    fn small<S: Simd>(&mut self, s: S, small: &Small) {
-        let (plane, width) = (&small.plane, self.grid.width as usize);
-        let range = self.range();
-        let first = i32::from(small.y).max(range.start);
-        let end = (i32::from(small.last_y) + 1).min(range.end);
-        let (low, high) = (s.splat_f(plane.low), s.splat_f(plane.high));
-        let mine = s.splat_i(small.payload as i32);
-        for x in (usize::from(small.x)..usize::from(small.last_x) + 1).step_by(S::LANES) {
-            // At the right side of the map a strip also holds columns to the left of its own.
-            let x = x.min(width - S::LANES);
-            let (right, down) = (x as i32 - i32::from(small.x), first - i32::from(small.y));
-            let (mut edges, mut step_y) = ([s.splat_i(0); 3], [s.splat_i(0); 3]);
-            for k in 0..3 {
-                let start = small.edges[k] + right * small.step_x[k] + down * small.step_y[k];
-                let along = s.mul_i(s.lanes(), s.splat_i(small.step_x[k]));
-                edges[k] = s.add_i(s.splat_i(start), along);
-                step_y[k] = s.splat_i(small.step_y[k]);
-            }
-            let lanes = s.d_from_f(s.f_from_i(s.lanes()));
-            let px = s.add_d(lanes, s.splat_d(x as f64 + 0.5));
-            let along = s.mul_d(s.splat_d(plane.a), px);
-            let mut py = f64::from(first) + 0.5;
-            let mut start = (first - range.start) as usize * width + x;
-            for _ in first..end {
-                let outside = s.or_i(s.or_i(edges[0], edges[1]), edges[2]);
-                let covered = s.greater_i(outside, s.splat_i(-1));
-                let row = s.splat_d(plane.b * py + plane.c);
-                let near = clamp(s, s.f_from_d(s.add_d(along, row)), low, high);
-                let (nearness, payload) = (&mut self.nearness[start..], &mut self.payload[start..]);
-                depth_test(s, nearness, payload, near, mine, Some(covered));
-                for k in 0..3 {
-                    edges[k] = s.add_i(edges[k], step_y[k]);
-                }
-                py += 1.0;
-                start += width;
             }
         }
     }

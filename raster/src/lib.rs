@@ -64,6 +64,7 @@ mod project;
 mod rasterizer;
 mod simd;
 mod skins;
+mod small;
 mod span;
 mod vertices;
 

@@ -58,10 +58,11 @@ impl Line {
     ) {
         let mine = s.splat_i(self.payload as i32);
         if end - first >= S::LANES {
+            let all = s.greater_i(s.lanes(), s.splat_i(-1));
             let mut x = first;
             loop {
                 let near = self.window(s, x);
-                depth_test(s, &mut nearness[x..], &mut payload[x..], near, mine, None);
+                depth_test(s, &mut nearness[x..], &mut payload[x..], near, mine, all);
                 if x + S::LANES >= end {
                     break;
                 }
@@ -76,7 +77,7 @@ impl Line {
                 s.greater_i(s.splat_i(to), s.lanes()),
             );
             let near = self.window(s, x);
-            depth_test(s, &mut nearness[x..], &mut payload[x..], near, mine, Some(inside));
+            depth_test(s, &mut nearness[x..], &mut payload[x..], near, mine, inside);
         } else {
             for x in first..end {
                 let near = (self.a * (x as f64 + 0.5) + self.row) as f32;
@@ -111,24 +112,25 @@ pub(crate) fn clamp<S: Simd>(s: S, value: S::F, low: S::F, high: S::F) -> S::F {
     s.min_f(s.max_f(value, low), high)
 }
 
-/// [`is_nearer`] for a window of texels, in those lanes that are `covered` (all if `None`).
+/// The lanes that are nearer, and those that are equally near, among the `covered` ones.
 #[inline(always)]
-pub(crate) fn depth_test<S: Simd>(
+pub(crate) fn winners<S: Simd>(s: S, old: S::F, near: S::F, covered: S::M) -> (S::M, S::M) {
+    (s.and_m(s.less_f(old, near), covered), s.and_m(s.equal_f(old, near), covered))
+}
+
+/// [`is_nearer`] for a window of texels, in the lanes that are `covered`.
+#[inline(always)]
+fn depth_test<S: Simd>(
     s: S,
     nearness: &mut [f32],
     payload: &mut [u32],
     near: S::F,
     mine: S::I,
-    covered: Option<S::M>,
+    covered: S::M,
 ) {
-    let old = s.load_f(nearness);
-    let (mut wins, mut ties) = (s.less_f(old, near), s.equal_f(old, near));
-    if let Some(covered) = covered {
-        (wins, ties) = (s.and_m(wins, covered), s.and_m(ties, covered));
-    }
+    let (mut wins, ties) = winners(s, s.load_f(nearness), near, covered);
     if s.bits(ties) != 0 {
-        let smaller = s.below_u(mine, s.load_u(payload));
-        wins = s.or_m(wins, s.and_m(ties, smaller));
+        wins = s.or_m(wins, s.and_m(ties, s.below_u(mine, s.load_u(payload))));
     }
     if s.bits(wins) != 0 {
         s.blend_f(nearness, wins, near);

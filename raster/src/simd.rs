@@ -40,6 +40,8 @@ pub(crate) trait Simd: Copy {
     fn splat_f(self, a: f32) -> Self::F;
     fn splat_i(self, a: i32) -> Self::I;
     fn splat_d(self, a: f64) -> Self::D;
+    /// `a` in the lower half of the lanes, `b` in the upper half.
+    fn halves_d(self, a: f64, b: f64) -> Self::D;
     /// 0, 1, 2, ...
     fn lanes(self) -> Self::I;
 
@@ -92,6 +94,39 @@ pub(crate) trait Simd: Copy {
     fn store_f(self, to: &mut [f32], a: Self::F);
     fn store_u(self, to: &mut [u32], a: Self::I);
     fn store_d(self, to: &mut [f64; MAX_LANES], a: Self::D);
+
+    /// The first `LANES / 2` elements in the lower half, as many from `stride` on in the upper half.
+    #[inline(always)]
+    fn load_rows_f(self, from: &[f32], stride: usize) -> Self::F {
+        let (half, mut lanes) = (Self::LANES / 2, [0.0; MAX_LANES]);
+        lanes[..half].copy_from_slice(&from[..half]);
+        lanes[half..Self::LANES].copy_from_slice(&from[stride..][..half]);
+        self.load_f(&lanes)
+    }
+    /// As [`Simd::load_rows_f`].
+    #[inline(always)]
+    fn load_rows_u(self, from: &[u32], stride: usize) -> Self::I {
+        let (half, mut lanes) = (Self::LANES / 2, [0; MAX_LANES]);
+        lanes[..half].copy_from_slice(&from[..half]);
+        lanes[half..Self::LANES].copy_from_slice(&from[stride..][..half]);
+        self.load_u(&lanes)
+    }
+    /// Stores the lanes of `m` where [`Simd::load_rows_f`] loads from.
+    #[inline(always)]
+    fn blend_rows_f(self, to: &mut [f32], stride: usize, m: Self::M, a: Self::F) {
+        let (half, mut lanes) = (Self::LANES / 2, [0.0; MAX_LANES]);
+        self.store_f(&mut lanes, self.select_f(m, a, self.load_rows_f(to, stride)));
+        to[..half].copy_from_slice(&lanes[..half]);
+        to[stride..][..half].copy_from_slice(&lanes[half..Self::LANES]);
+    }
+    /// As [`Simd::blend_rows_f`].
+    #[inline(always)]
+    fn blend_rows_u(self, to: &mut [u32], stride: usize, m: Self::M, a: Self::I) {
+        let (half, mut lanes) = (Self::LANES / 2, [0; MAX_LANES]);
+        self.store_u(&mut lanes, self.select_i(m, a, self.load_rows_u(to, stride)));
+        to[..half].copy_from_slice(&lanes[..half]);
+        to[stride..][..half].copy_from_slice(&lanes[half..Self::LANES]);
+    }
 
     /// Fetches what is soon to be written. The address need not be valid.
     #[inline(always)]
@@ -184,10 +219,12 @@ pub(crate) fn set_bits(mut bits: u32) -> impl Iterator<Item = usize> {
 /// inside a function with their instructions enabled.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 macro_rules! operations {
-    ($($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*) => {
+    ($self:ident;
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*
+    ) => {
         $(
             #[inline(always)]
-            fn $name(self, $($argument: $type),*) $(-> $result)? {
+            fn $name($self, $($argument: $type),*) $(-> $result)? {
                 // SAFETY: a value of Self is the proof that the machine has the instructions, and
                 // each pointer comes from a slice or array whose length is checked beside it.
                 #[allow(unused_unsafe)]

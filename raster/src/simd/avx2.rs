@@ -33,10 +33,11 @@ impl Simd for Avx2 {
     type D = D;
     type M = M;
 
-    operations! {
+    operations! { self;
         splat_f(a: f32) -> F = _mm256_set1_ps(a);
         splat_i(a: i32) -> I = _mm256_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm256_set1_pd(a); 2];
+        halves_d(a: f64, b: f64) -> D = [_mm256_set1_pd(a), _mm256_set1_pd(b)];
         lanes() -> I = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
 
         add_f(a: F, b: F) -> F = _mm256_add_ps(a, b);
@@ -86,6 +87,25 @@ impl Simd for Avx2 {
         store_d(to: &mut [f64; MAX_LANES], a: D) = {
             _mm256_storeu_pd(to[..4].as_mut_ptr(), a[0]);
             _mm256_storeu_pd(to[4..8].as_mut_ptr(), a[1]);
+        };
+        load_rows_f(from: &[f32], stride: usize) -> F = _mm256_loadu2_m128(
+            from[stride..][..4].as_ptr(),
+            from[..4].as_ptr(),
+        );
+        load_rows_u(from: &[u32], stride: usize) -> I = _mm256_loadu2_m128i(
+            from[stride..][..4].as_ptr().cast(),
+            from[..4].as_ptr().cast(),
+        );
+        blend_rows_f(to: &mut [f32], stride: usize, m: M, a: F) = {
+            let new = self.select_f(m, a, self.load_rows_f(to, stride));
+            _mm_storeu_ps(to[..4].as_mut_ptr(), _mm256_castps256_ps128(new));
+            _mm_storeu_ps(to[stride..][..4].as_mut_ptr(), _mm256_extractf128_ps::<1>(new));
+        };
+        blend_rows_u(to: &mut [u32], stride: usize, m: M, a: I) = {
+            let new = self.select_i(m, a, self.load_rows_u(to, stride));
+            _mm_storeu_si128(to[..4].as_mut_ptr().cast(), _mm256_castsi256_si128(new));
+            let upper = to[stride..][..4].as_mut_ptr().cast();
+            _mm_storeu_si128(upper, _mm256_extracti128_si256::<1>(new));
         };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
 

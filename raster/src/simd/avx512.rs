@@ -32,10 +32,11 @@ impl Simd for Avx512 {
     type D = D;
     type M = M;
 
-    operations! {
+    operations! { self;
         splat_f(a: f32) -> F = _mm512_set1_ps(a);
         splat_i(a: i32) -> I = _mm512_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm512_set1_pd(a); 2];
+        halves_d(a: f64, b: f64) -> D = [_mm512_set1_pd(a), _mm512_set1_pd(b)];
         lanes() -> I = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 
         add_f(a: F, b: F) -> F = _mm512_add_ps(a, b);
@@ -89,6 +90,25 @@ impl Simd for Avx512 {
         blend_f(to: &mut [f32], m: M, a: F) = _mm512_mask_storeu_ps(to[..16].as_mut_ptr(), m, a);
         blend_u(to: &mut [u32], m: M, a: I) =
             _mm512_mask_storeu_epi32(to[..16].as_mut_ptr().cast(), m, a);
+        load_rows_f(from: &[f32], stride: usize) -> F = _mm512_insertf32x8::<1>(
+            _mm512_castps256_ps512(_mm256_loadu_ps(from[..8].as_ptr())),
+            _mm256_loadu_ps(from[stride..][..8].as_ptr()),
+        );
+        load_rows_u(from: &[u32], stride: usize) -> I = _mm512_inserti32x8::<1>(
+            _mm512_castsi256_si512(_mm256_loadu_epi32(from[..8].as_ptr().cast())),
+            _mm256_loadu_epi32(from[stride..][..8].as_ptr().cast()),
+        );
+        blend_rows_f(to: &mut [f32], stride: usize, m: M, a: F) = {
+            let (low, high) = (_mm512_castps512_ps256(a), _mm512_extractf32x8_ps::<1>(a));
+            _mm256_mask_storeu_ps(to[..8].as_mut_ptr(), m as __mmask8, low);
+            _mm256_mask_storeu_ps(to[stride..][..8].as_mut_ptr(), (m >> 8) as __mmask8, high);
+        };
+        blend_rows_u(to: &mut [u32], stride: usize, m: M, a: I) = {
+            let (low, high) = (_mm512_castsi512_si256(a), _mm512_extracti32x8_epi32::<1>(a));
+            _mm256_mask_storeu_epi32(to[..8].as_mut_ptr().cast(), m as __mmask8, low);
+            let upper = to[stride..][..8].as_mut_ptr().cast();
+            _mm256_mask_storeu_epi32(upper, (m >> 8) as __mmask8, high);
+        };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
 
         gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])

@@ -37,6 +37,7 @@ impl Simd for Portable {
         splat_f(a: f32) -> F = F::splat(a);
         splat_i(a: i32) -> I = I::splat(a);
         splat_d(a: f64) -> D = [f64x2::splat(a); 2];
+        halves_d(a: f64, b: f64) -> D = [f64x2::splat(a), f64x2::splat(b)];
         lanes() -> I = I::new([0, 1, 2, 3]);
 
         add_f(a: F, b: F) -> F = a + b;

@@ -33,10 +33,11 @@ impl Simd for Sse41 {
     type D = D;
     type M = M;
 
-    operations! {
+    operations! { self;
         splat_f(a: f32) -> F = _mm_set1_ps(a);
         splat_i(a: i32) -> I = _mm_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm_set1_pd(a); 2];
+        halves_d(a: f64, b: f64) -> D = [_mm_set1_pd(a), _mm_set1_pd(b)];
         lanes() -> I = _mm_setr_epi32(0, 1, 2, 3);
 
         add_f(a: F, b: F) -> F = _mm_add_ps(a, b);
