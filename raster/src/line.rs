@@ -112,12 +112,6 @@ pub(crate) fn clamp<S: Simd>(s: S, value: S::F, low: S::F, high: S::F) -> S::F {
     s.min_f(s.max_f(value, low), high)
 }
 
-/// The lanes that are nearer, and those that are equally near, among the `covered` ones.
-#[inline(always)]
-pub(crate) fn winners<S: Simd>(s: S, old: S::F, near: S::F, covered: S::M) -> (S::M, S::M) {
-    (s.and_m(s.less_f(old, near), covered), s.and_m(s.equal_f(old, near), covered))
-}
-
 /// [`is_nearer`] for a window of texels, in the lanes that are `covered`.
 #[inline(always)]
 fn depth_test<S: Simd>(
@@ -128,7 +122,8 @@ fn depth_test<S: Simd>(
     mine: S::I,
     covered: S::M,
 ) {
-    let (mut wins, ties) = winners(s, s.load_f(nearness), near, covered);
+    let old = s.load_f(nearness);
+    let (mut wins, ties) = (s.less_f_in(covered, old, near), s.equal_f_in(covered, old, near));
     if s.bits(ties) != 0 {
         wins = s.or_m(wins, s.and_m(ties, s.below_u(mine, s.load_u(payload))));
     }

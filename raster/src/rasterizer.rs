@@ -26,7 +26,7 @@ pub struct Rasterizer {
 }
 
 /// Parts that a batch of triangles is binned in.
-const CHUNKS: usize = 16;
+const CHUNKS: usize = 1;
 
 impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.

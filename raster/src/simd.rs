@@ -40,8 +40,6 @@ pub(crate) trait Simd: Copy {
     fn splat_f(self, a: f32) -> Self::F;
     fn splat_i(self, a: i32) -> Self::I;
     fn splat_d(self, a: f64) -> Self::D;
-    /// `a` in the lower half of the lanes, `b` in the upper half.
-    fn halves_d(self, a: f64, b: f64) -> Self::D;
     /// 0, 1, 2, ...
     fn lanes(self) -> Self::I;
 
@@ -71,12 +69,19 @@ pub(crate) trait Simd: Copy {
     fn div_d(self, a: Self::D, b: Self::D) -> Self::D;
 
     fn i_from_bits(self, a: Self::F) -> Self::I;
+    fn f_from_bits(self, a: Self::I) -> Self::F;
     fn f_from_i(self, a: Self::I) -> Self::F;
     fn d_from_f(self, a: Self::F) -> Self::D;
     fn f_from_d(self, a: Self::D) -> Self::F;
 
     fn less_f(self, a: Self::F, b: Self::F) -> Self::M;
     fn equal_f(self, a: Self::F, b: Self::F) -> Self::M;
+    /// [`Simd::less_f`] in the lanes of `m`.
+    fn less_f_in(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M;
+    /// [`Simd::equal_f`] in the lanes of `m`.
+    fn equal_f_in(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M;
+    /// `a >= 0`.
+    fn not_negative(self, a: Self::I) -> Self::M;
     fn greater_i(self, a: Self::I, b: Self::I) -> Self::M;
     /// `a < b`, both unsigned.
     fn below_u(self, a: Self::I, b: Self::I) -> Self::M;
@@ -95,37 +100,45 @@ pub(crate) trait Simd: Copy {
     fn store_u(self, to: &mut [u32], a: Self::I);
     fn store_d(self, to: &mut [f64; MAX_LANES], a: Self::D);
 
-    /// The first `LANES / 2` elements in the lower half, as many from `stride` on in the upper half.
+    /// `ROWS` times `LANES / ROWS` elements, each run of them `stride` after the one before.
+    ///
+    /// # Safety
+    ///
+    /// They must all be there to be read.
     #[inline(always)]
-    fn load_rows_f(self, from: &[f32], stride: usize) -> Self::F {
-        let (half, mut lanes) = (Self::LANES / 2, [0.0; MAX_LANES]);
-        lanes[..half].copy_from_slice(&from[..half]);
-        lanes[half..Self::LANES].copy_from_slice(&from[stride..][..half]);
-        self.load_f(&lanes)
-    }
-    /// As [`Simd::load_rows_f`].
-    #[inline(always)]
-    fn load_rows_u(self, from: &[u32], stride: usize) -> Self::I {
-        let (half, mut lanes) = (Self::LANES / 2, [0; MAX_LANES]);
-        lanes[..half].copy_from_slice(&from[..half]);
-        lanes[half..Self::LANES].copy_from_slice(&from[stride..][..half]);
+    #[allow(unsafe_code)]
+    unsafe fn load_block<const ROWS: usize>(self, from: *const u32, stride: usize) -> Self::I {
+        let (columns, mut lanes) = (Self::LANES / ROWS, [0; MAX_LANES]);
+        for row in 0..ROWS {
+            let lanes = lanes[row * columns..][..columns].as_mut_ptr();
+            // SAFETY: the caller promises the elements.
+            unsafe { lanes.copy_from_nonoverlapping(from.add(row * stride), columns) };
+        }
         self.load_u(&lanes)
     }
-    /// Stores the lanes of `m` where [`Simd::load_rows_f`] loads from.
+    /// Stores the lanes of `m` where [`Simd::load_block`] loads from.
+    ///
+    /// # Safety
+    ///
+    /// All the elements must be there to be read and written.
     #[inline(always)]
-    fn blend_rows_f(self, to: &mut [f32], stride: usize, m: Self::M, a: Self::F) {
-        let (half, mut lanes) = (Self::LANES / 2, [0.0; MAX_LANES]);
-        self.store_f(&mut lanes, self.select_f(m, a, self.load_rows_f(to, stride)));
-        to[..half].copy_from_slice(&lanes[..half]);
-        to[stride..][..half].copy_from_slice(&lanes[half..Self::LANES]);
-    }
-    /// As [`Simd::blend_rows_f`].
-    #[inline(always)]
-    fn blend_rows_u(self, to: &mut [u32], stride: usize, m: Self::M, a: Self::I) {
-        let (half, mut lanes) = (Self::LANES / 2, [0; MAX_LANES]);
-        self.store_u(&mut lanes, self.select_i(m, a, self.load_rows_u(to, stride)));
-        to[..half].copy_from_slice(&lanes[..half]);
-        to[stride..][..half].copy_from_slice(&lanes[half..Self::LANES]);
+    #[allow(unsafe_code)]
+    unsafe fn blend_block<const ROWS: usize>(
+        self,
+        to: *mut u32,
+        stride: usize,
+        m: Self::M,
+        a: Self::I,
+    ) {
+        let (columns, mut lanes) = (Self::LANES / ROWS, [0; MAX_LANES]);
+        // SAFETY: the caller promises the elements.
+        let old = unsafe { self.load_block::<ROWS>(to, stride) };
+        self.store_u(&mut lanes, self.select_i(m, a, old));
+        for row in 0..ROWS {
+            let lanes = lanes[row * columns..][..columns].as_ptr();
+            // SAFETY: the caller promises the elements.
+            unsafe { to.add(row * stride).copy_from_nonoverlapping(lanes, columns) };
+        }
     }
 
     /// Fetches what is soon to be written. The address need not be valid.

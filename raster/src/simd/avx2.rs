@@ -37,7 +37,6 @@ impl Simd for Avx2 {
         splat_f(a: f32) -> F = _mm256_set1_ps(a);
         splat_i(a: i32) -> I = _mm256_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm256_set1_pd(a); 2];
-        halves_d(a: f64, b: f64) -> D = [_mm256_set1_pd(a), _mm256_set1_pd(b)];
         lanes() -> I = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
 
         add_f(a: F, b: F) -> F = _mm256_add_ps(a, b);
@@ -60,6 +59,7 @@ impl Simd for Avx2 {
         div_d(a: D, b: D) -> D = [_mm256_div_pd(a[0], b[0]), _mm256_div_pd(a[1], b[1])];
 
         i_from_bits(a: F) -> I = _mm256_castps_si256(a);
+        f_from_bits(a: I) -> F = _mm256_castsi256_ps(a);
         f_from_i(a: I) -> F = _mm256_cvtepi32_ps(a);
         d_from_f(a: F) -> D = [
             _mm256_cvtps_pd(_mm256_castps256_ps128(a)),
@@ -69,6 +69,9 @@ impl Simd for Avx2 {
 
         less_f(a: F, b: F) -> M = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
         equal_f(a: F, b: F) -> M = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_EQ_OQ>(a, b));
+        less_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.less_f(a, b));
+        equal_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.equal_f(a, b));
+        not_negative(a: I) -> M = _mm256_cmpgt_epi32(a, _mm256_set1_epi32(-1));
         greater_i(a: I, b: I) -> M = _mm256_cmpgt_epi32(a, b);
         below_u(a: I, b: I) -> M = {
             let sign = _mm256_set1_epi32(i32::MIN);
@@ -88,25 +91,6 @@ impl Simd for Avx2 {
             _mm256_storeu_pd(to[..4].as_mut_ptr(), a[0]);
             _mm256_storeu_pd(to[4..8].as_mut_ptr(), a[1]);
         };
-        load_rows_f(from: &[f32], stride: usize) -> F = _mm256_loadu2_m128(
-            from[stride..][..4].as_ptr(),
-            from[..4].as_ptr(),
-        );
-        load_rows_u(from: &[u32], stride: usize) -> I = _mm256_loadu2_m128i(
-            from[stride..][..4].as_ptr().cast(),
-            from[..4].as_ptr().cast(),
-        );
-        blend_rows_f(to: &mut [f32], stride: usize, m: M, a: F) = {
-            let new = self.select_f(m, a, self.load_rows_f(to, stride));
-            _mm_storeu_ps(to[..4].as_mut_ptr(), _mm256_castps256_ps128(new));
-            _mm_storeu_ps(to[stride..][..4].as_mut_ptr(), _mm256_extractf128_ps::<1>(new));
-        };
-        blend_rows_u(to: &mut [u32], stride: usize, m: M, a: I) = {
-            let new = self.select_i(m, a, self.load_rows_u(to, stride));
-            _mm_storeu_si128(to[..4].as_mut_ptr().cast(), _mm256_castsi256_si128(new));
-            let upper = to[stride..][..4].as_mut_ptr().cast();
-            _mm_storeu_si128(upper, _mm256_extracti128_si256::<1>(new));
-        };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
 
         gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
@@ -115,6 +99,29 @@ impl Simd for Avx2 {
             gather_pairs(table, triangles, 1, missing),
             gather_pairs(table, triangles, 2, missing),
         ];
+    }
+
+    #[inline(always)]
+    unsafe fn load_block<const ROWS: usize>(self, from: *const u32, stride: usize) -> I {
+        // SAFETY: as for the operations above; the caller promises the elements.
+        unsafe {
+            match ROWS {
+                1 => _mm256_loadu_si256(from.cast()),
+                _ => _mm256_loadu2_m128i(from.add(stride).cast(), from.cast()),
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn blend_block<const ROWS: usize>(self, to: *mut u32, stride: usize, m: M, a: I) {
+        // SAFETY: as for the operations above; the caller promises the elements.
+        unsafe {
+            let new = self.select_i(m, a, self.load_block::<ROWS>(to, stride));
+            match ROWS {
+                1 => _mm256_storeu_si256(to.cast(), new),
+                _ => _mm256_storeu2_m128i(to.add(stride).cast(), to.cast(), new),
+            }
+        }
     }
 
     #[inline(always)]

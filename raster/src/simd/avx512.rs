@@ -36,7 +36,6 @@ impl Simd for Avx512 {
         splat_f(a: f32) -> F = _mm512_set1_ps(a);
         splat_i(a: i32) -> I = _mm512_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm512_set1_pd(a); 2];
-        halves_d(a: f64, b: f64) -> D = [_mm512_set1_pd(a), _mm512_set1_pd(b)];
         lanes() -> I = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 
         add_f(a: F, b: F) -> F = _mm512_add_ps(a, b);
@@ -59,6 +58,7 @@ impl Simd for Avx512 {
         div_d(a: D, b: D) -> D = [_mm512_div_pd(a[0], b[0]), _mm512_div_pd(a[1], b[1])];
 
         i_from_bits(a: F) -> I = _mm512_castps_si512(a);
+        f_from_bits(a: I) -> F = _mm512_castsi512_ps(a);
         f_from_i(a: I) -> F = _mm512_cvtepi32_ps(a);
         d_from_f(a: F) -> D = [
             _mm512_cvtps_pd(_mm512_castps512_ps256(a)),
@@ -71,6 +71,9 @@ impl Simd for Avx512 {
 
         less_f(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
         equal_f(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b);
+        less_f_in(m: M, a: F, b: F) -> M = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(m, a, b);
+        equal_f_in(m: M, a: F, b: F) -> M = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(m, a, b);
+        not_negative(a: I) -> M = _mm512_cmpge_epi32_mask(a, _mm512_setzero_si512());
         greater_i(a: I, b: I) -> M = _mm512_cmpgt_epi32_mask(a, b);
         below_u(a: I, b: I) -> M = _mm512_cmplt_epu32_mask(a, b);
         and_m(a: M, b: M) -> M = a & b;
@@ -90,25 +93,6 @@ impl Simd for Avx512 {
         blend_f(to: &mut [f32], m: M, a: F) = _mm512_mask_storeu_ps(to[..16].as_mut_ptr(), m, a);
         blend_u(to: &mut [u32], m: M, a: I) =
             _mm512_mask_storeu_epi32(to[..16].as_mut_ptr().cast(), m, a);
-        load_rows_f(from: &[f32], stride: usize) -> F = _mm512_insertf32x8::<1>(
-            _mm512_castps256_ps512(_mm256_loadu_ps(from[..8].as_ptr())),
-            _mm256_loadu_ps(from[stride..][..8].as_ptr()),
-        );
-        load_rows_u(from: &[u32], stride: usize) -> I = _mm512_inserti32x8::<1>(
-            _mm512_castsi256_si512(_mm256_loadu_epi32(from[..8].as_ptr().cast())),
-            _mm256_loadu_epi32(from[stride..][..8].as_ptr().cast()),
-        );
-        blend_rows_f(to: &mut [f32], stride: usize, m: M, a: F) = {
-            let (low, high) = (_mm512_castps512_ps256(a), _mm512_extractf32x8_ps::<1>(a));
-            _mm256_mask_storeu_ps(to[..8].as_mut_ptr(), m as __mmask8, low);
-            _mm256_mask_storeu_ps(to[stride..][..8].as_mut_ptr(), (m >> 8) as __mmask8, high);
-        };
-        blend_rows_u(to: &mut [u32], stride: usize, m: M, a: I) = {
-            let (low, high) = (_mm512_castsi512_si256(a), _mm512_extracti32x8_epi32::<1>(a));
-            _mm256_mask_storeu_epi32(to[..8].as_mut_ptr().cast(), m as __mmask8, low);
-            let upper = to[stride..][..8].as_mut_ptr().cast();
-            _mm256_mask_storeu_epi32(upper, (m >> 8) as __mmask8, high);
-        };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
 
         gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
@@ -135,6 +119,18 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn load_block<const ROWS: usize>(self, from: *const u32, stride: usize) -> I {
+        // SAFETY: as for the operations above; the caller promises the elements.
+        unsafe { load_block::<ROWS>(from.cast(), stride) }
+    }
+
+    #[inline(always)]
+    unsafe fn blend_block<const ROWS: usize>(self, to: *mut u32, stride: usize, m: M, a: I) {
+        // SAFETY: as for the operations above; the caller promises the elements.
+        unsafe { blend_block::<ROWS>(to.cast(), stride, m, a) }
+    }
+
+    #[inline(always)]
     fn shift_right<const BITS: u32>(self, a: I) -> I {
         // SAFETY: as for the operations above.
         unsafe { _mm512_srai_epi32::<BITS>(a) }
@@ -144,6 +140,57 @@ impl Simd for Avx512 {
     fn shift_left<const BITS: u32>(self, a: I) -> I {
         // SAFETY: as for the operations above.
         unsafe { _mm512_slli_epi32::<BITS>(a) }
+    }
+}
+
+/// [`Simd::load_block`].
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+unsafe fn load_block<const ROWS: usize>(from: *const i32, stride: usize) -> I {
+    // SAFETY: the caller promises the elements.
+    unsafe {
+        match ROWS {
+            1 => _mm512_loadu_epi32(from),
+            2 => two_rows(_mm256_loadu_epi32(from), _mm256_loadu_epi32(from.add(stride))),
+            _ => {
+                let (a, b) = (_mm_loadu_epi32(from), _mm_loadu_epi32(from.add(stride)));
+                let c = _mm_loadu_epi32(from.add(2 * stride));
+                let d = _mm_loadu_epi32(from.add(3 * stride));
+                two_rows(_mm256_set_m128i(b, a), _mm256_set_m128i(d, c))
+            }
+        }
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn two_rows(low: __m256i, high: __m256i) -> I {
+    _mm512_inserti32x8::<1>(_mm512_castsi256_si512(low), high)
+}
+
+/// [`Simd::blend_block`].
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+unsafe fn blend_block<const ROWS: usize>(to: *mut i32, stride: usize, m: M, a: I) {
+    // SAFETY: the caller promises the elements.
+    unsafe {
+        match ROWS {
+            1 => _mm512_mask_storeu_epi32(to, m, a),
+            2 => {
+                let (low, high) = (_mm512_castsi512_si256(a), _mm512_extracti32x8_epi32::<1>(a));
+                _mm256_mask_storeu_epi32(to, m as __mmask8, low);
+                _mm256_mask_storeu_epi32(to.add(stride), (m >> 8) as __mmask8, high);
+            }
+            _ => {
+                let b = _mm512_extracti32x4_epi32::<1>(a);
+                let c = _mm512_extracti32x4_epi32::<2>(a);
+                let d = _mm512_extracti32x4_epi32::<3>(a);
+                _mm_mask_storeu_epi32(to, m as __mmask8, _mm512_castsi512_si128(a));
+                _mm_mask_storeu_epi32(to.add(stride), (m >> 4) as __mmask8, b);
+                _mm_mask_storeu_epi32(to.add(2 * stride), (m >> 8) as __mmask8, c);
+                _mm_mask_storeu_epi32(to.add(3 * stride), (m >> 12) as __mmask8, d);
+            }
+        }
     }
 }
 

@@ -37,7 +37,6 @@ impl Simd for Portable {
         splat_f(a: f32) -> F = F::splat(a);
         splat_i(a: i32) -> I = I::splat(a);
         splat_d(a: f64) -> D = [f64x2::splat(a); 2];
-        halves_d(a: f64, b: f64) -> D = [f64x2::splat(a), f64x2::splat(b)];
         lanes() -> I = I::new([0, 1, 2, 3]);
 
         add_f(a: F, b: F) -> F = a + b;
@@ -60,6 +59,7 @@ impl Simd for Portable {
         div_d(a: D, b: D) -> D = [a[0] / b[0], a[1] / b[1]];
 
         i_from_bits(a: F) -> I = bytemuck::cast(a);
+        f_from_bits(a: I) -> F = bytemuck::cast(a);
         f_from_i(a: I) -> F = F::from_i32x4(a);
         d_from_f(a: F) -> D = {
             let [a, b, c, d] = a.to_array().map(f64::from);
@@ -72,6 +72,9 @@ impl Simd for Portable {
 
         less_f(a: F, b: F) -> M = bytemuck::cast(a.simd_lt(b));
         equal_f(a: F, b: F) -> M = bytemuck::cast(a.simd_eq(b));
+        less_f_in(m: M, a: F, b: F) -> M = m & bytemuck::cast::<F, M>(a.simd_lt(b));
+        equal_f_in(m: M, a: F, b: F) -> M = m & bytemuck::cast::<F, M>(a.simd_eq(b));
+        not_negative(a: I) -> M = a.simd_gt(I::splat(-1));
         greater_i(a: I, b: I) -> M = a.simd_gt(b);
         below_u(a: I, b: I) -> M = {
             let sign = I::splat(i32::MIN);

@@ -37,7 +37,6 @@ impl Simd for Sse41 {
         splat_f(a: f32) -> F = _mm_set1_ps(a);
         splat_i(a: i32) -> I = _mm_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm_set1_pd(a); 2];
-        halves_d(a: f64, b: f64) -> D = [_mm_set1_pd(a), _mm_set1_pd(b)];
         lanes() -> I = _mm_setr_epi32(0, 1, 2, 3);
 
         add_f(a: F, b: F) -> F = _mm_add_ps(a, b);
@@ -60,6 +59,7 @@ impl Simd for Sse41 {
         div_d(a: D, b: D) -> D = [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])];
 
         i_from_bits(a: F) -> I = _mm_castps_si128(a);
+        f_from_bits(a: I) -> F = _mm_castsi128_ps(a);
         f_from_i(a: I) -> F = _mm_cvtepi32_ps(a);
         d_from_f(a: F) -> D = [
             _mm_cvtps_pd(a),
@@ -69,6 +69,9 @@ impl Simd for Sse41 {
 
         less_f(a: F, b: F) -> M = _mm_castps_si128(_mm_cmplt_ps(a, b));
         equal_f(a: F, b: F) -> M = _mm_castps_si128(_mm_cmpeq_ps(a, b));
+        less_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.less_f(a, b));
+        equal_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.equal_f(a, b));
+        not_negative(a: I) -> M = _mm_cmpgt_epi32(a, _mm_set1_epi32(-1));
         greater_i(a: I, b: I) -> M = _mm_cmpgt_epi32(a, b);
         below_u(a: I, b: I) -> M = {
             let sign = _mm_set1_epi32(i32::MIN);
