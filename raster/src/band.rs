@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::AlphaMask;
 use crate::bins::{Chunk, Fragments, Grid, Large, MAX_ROWS, Masked};
-use crate::line::Line;
+use crate::line::{Line, clear};
 use crate::plain::is_nearer;
 use crate::simd::{Simd, kernel};
 use crate::span::Spans;
@@ -46,7 +46,7 @@ fn draw_band_body<S: Simd>(
             rows.large(s, &bins.large[index as usize]);
         }
     }
-    rows.clear_rest();
+    rows.clear_rest(s);
     for bins in bins() {
         let band = &bins.bands[rows.band];
         rows.fragments(&band.fragments);
@@ -77,15 +77,13 @@ impl Rows<'_> {
     }
 
     #[inline(always)]
-    fn clear_rest(&mut self) {
+    fn clear_rest<S: Simd>(&mut self, s: S) {
         let width = self.grid.width as usize;
         let rows = self.nearness.chunks_exact_mut(width).zip(self.payload.chunks_exact_mut(width));
         for ((nearness, payload), kept) in rows.zip(&self.kept) {
             let [start, end] = kept.map(|x| x as usize);
-            nearness[..start].fill(0.0);
-            payload[..start].fill(0);
-            nearness[end..].fill(0.0);
-            payload[end..].fill(0);
+            clear(s, nearness, payload, 0, start);
+            clear(s, nearness, payload, end, width);
         }
     }
 
@@ -133,15 +131,13 @@ impl Rows<'_> {
             if first < start {
                 line.write(s, nearness, payload, first, last.min(start));
                 if last < start {
-                    nearness[last..start].fill(0.0);
-                    payload[last..start].fill(0);
+                    clear(s, nearness, payload, last, start);
                 }
             }
             if last > end {
                 line.write(s, nearness, payload, first.max(end), last);
                 if first > end {
-                    nearness[end..first].fill(0.0);
-                    payload[end..first].fill(0);
+                    clear(s, nearness, payload, end, first);
                 }
             }
             let (first, last) = (first.max(start), last.min(end));

@@ -28,9 +28,7 @@ impl Line {
             let mine = s.splat_i(self.payload as i32);
             let mut x = first;
             loop {
-                // Triangles go down: the next row is as good as ordered.
-                s.prefetch(nearness.as_ptr().wrapping_add(x + nearness.len()).cast());
-                s.prefetch(payload.as_ptr().wrapping_add(x + payload.len()).cast());
+                prefetch_next_row(s, nearness, payload, x);
                 s.store_f(&mut nearness[x..], self.window(s, x));
                 s.store_u(&mut payload[x..], mine);
                 if x + S::LANES >= end {
@@ -40,8 +38,7 @@ impl Line {
             }
         } else {
             // It is short, or may be nothing at some texels.
-            nearness[first..end].fill(0.0);
-            payload[first..end].fill(0);
+            clear(s, nearness, payload, first, end);
             self.draw(s, nearness, payload, first, end);
         }
     }
@@ -97,6 +94,40 @@ impl Line {
         let near = s.add_d(s.mul_d(s.splat_d(self.a), px), s.splat_d(self.row));
         clamp(s, s.f_from_d(near), s.splat_f(self.low), s.splat_f(self.high))
     }
+}
+
+/// Empties the texels from `first` to before `end` of a row. Faster than two `fill`s, since it
+/// fetches the next row ahead.
+#[inline(always)]
+pub(crate) fn clear<S: Simd>(
+    s: S,
+    nearness: &mut [f32],
+    payload: &mut [u32],
+    first: usize,
+    end: usize,
+) {
+    if end - first < S::LANES {
+        nearness[first..end].fill(0.0);
+        payload[first..end].fill(0);
+        return;
+    }
+    let mut x = first;
+    loop {
+        prefetch_next_row(s, nearness, payload, x);
+        s.store_f(&mut nearness[x..], s.splat_f(0.0));
+        s.store_u(&mut payload[x..], s.splat_i(0));
+        if x + S::LANES >= end {
+            break;
+        }
+        x = next_window::<S>(nearness, x, end);
+    }
+}
+
+/// Rows are filled from top to bottom: what lies below is soon to be written.
+#[inline(always)]
+fn prefetch_next_row<S: Simd>(s: S, nearness: &[f32], payload: &[u32], x: usize) {
+    s.prefetch(nearness.as_ptr().wrapping_add(nearness.len() + x).cast());
+    s.prefetch(payload.as_ptr().wrapping_add(payload.len() + x).cast());
 }
 
 /// Where the window after the one at `x` starts: aligned in memory, but inside of the span, so that

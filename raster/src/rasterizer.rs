@@ -25,8 +25,11 @@ pub struct Rasterizer {
     chunks: Vec<Chunk>,
 }
 
-/// Parts that a batch of triangles is binned in.
-const CHUNKS: usize = 1;
+/// Parts that a batch of triangles is binned in, to share among threads.
+const CHUNKS: usize = 16;
+
+/// The fewest triangles that are worth a part.
+const LEAST_CHUNK: usize = 1024;
 
 impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
@@ -101,7 +104,8 @@ impl Rasterizer {
         for (vertices, view) in self.vertices.iter_mut().zip(views) {
             vertices.transform(level, threads, &Projection::of(view), mesh.positions);
         }
-        self.chunks.resize_with(CHUNKS, Chunk::default);
+        let chunks = if threads == Threads::One { 1 } else { CHUNKS };
+        self.chunks.resize_with(chunks, Chunk::default);
         for chunk in &mut self.chunks {
             chunk.views.resize_with(views.len(), Default::default);
         }
@@ -112,9 +116,10 @@ impl Rasterizer {
         let mut first = 0;
         loop {
             let end = mesh.triangles.len().min(first + batch);
-            let per_chunk = (end - first).div_ceil(CHUNKS).next_multiple_of(64).max(64);
-            let (vertices, chunks) = (&self.vertices, &mut self.chunks[..]);
-            for_each_band(threads, BandSlice { data: chunks, len: 1 }, &|index, chunk| {
+            let per_chunk = (end - first).div_ceil(chunks).next_multiple_of(64).max(LEAST_CHUNK);
+            let vertices = &self.vertices;
+            let chunks = BandSlice { data: &mut self.chunks, len: 1 };
+            for_each_band(threads, chunks, &|index, chunk| {
                 let start = end.min(first + index * per_chunk);
                 let chunk_end = end.min(start + per_chunk);
                 for (view, bins) in chunk.data[0].views.iter_mut().enumerate() {
