@@ -26,6 +26,8 @@ const COPLANAR: f32 = 1.0 / 262_144.0;
 struct Block {
     x: usize,
     y: usize,
+    /// Pixels per row of the image.
+    width: usize,
     nearness: [Lanes; BAND],
     ids: [[u32; LANES]; BAND],
 }
@@ -55,10 +57,7 @@ pub(super) fn judge_band(
             let (plane, group) = block.group(greater, &frame.camera, leader, left);
             left &= !group;
             let Some(facing) = Facing::new(frame, plane) else { continue };
-            let mut put = |pixel: usize, visibility: f32| {
-                out[(pixel / LANES) * width + x + pixel % LANES] = visibility;
-            };
-            judge_group(greater, frame, &block, &facing, group, scratch, counters, &mut put);
+            judge_group(greater, frame, &block, &facing, group, scratch, counters, out);
         }
     }
 }
@@ -73,7 +72,7 @@ fn judge_group(
     group: Pixels,
     scratch: &mut Scratch,
     counters: &mut Counters,
-    put: &mut impl FnMut(usize, f32),
+    out: &mut [f32],
 ) {
     for (index, frustum) in frame.frusta.iter().flatten().enumerate() {
         let mine = group & block.in_frustum(greater, &frame.frusta, index);
@@ -98,14 +97,25 @@ fn judge_group(
         }
         counters.outside += u64::from(outside.count_ones());
         while outside != 0 {
-            put(outside.trailing_zeros() as usize, facing.open());
+            out[block.place(outside.trailing_zeros() as usize)] = facing.open();
             outside &= outside - 1;
         }
         if scratch.receivers.count == 0 {
             continue;
         }
         let tilt = Tilt::new(facing, frustum, scratch.receivers.nearness[0]);
-        let mut judge_all = |scratch: &mut Scratch| {
+        // Receivers on a plane that is too steep are judged one by one.
+        let alone = if tilt.steep { scratch.receivers.count } else { 1 };
+        if alone > 1 {
+            scratch.waiting.clone_from(&scratch.receivers);
+        }
+        for i in 0..alone {
+            if alone > 1 {
+                let all = &scratch.waiting;
+                scratch.receivers.count = 0;
+                let place = [all.column[i], all.row[i], all.nearness[i]];
+                scratch.receivers.push(place, usize::from(all.pixel[i]));
+            }
             let searched = judge(greater, frame, frustum, facing, &tilt, scratch);
             let receivers = &scratch.receivers;
             counters.searched += if searched { receivers.count as u64 } else { 0 };
@@ -113,20 +123,9 @@ fn judge_group(
                 // Written so that NaN is lit.
                 let v = receivers.visibility[i];
                 let v = if v < 1.0 { v } else { 1.0 };
-                put(receivers.pixel[i] as usize, if v > 0.0 { v } else { 0.0 });
+                let v = if v > 0.0 { v } else { 0.0 };
+                out[block.place(usize::from(receivers.pixel[i]))] = v;
             }
-        };
-        if tilt.steep && scratch.receivers.count > 1 {
-            let all = scratch.receivers.clone();
-            for i in 0..all.count {
-                scratch.receivers.count = 0;
-                scratch
-                    .receivers
-                    .push([all.column[i], all.row[i], all.nearness[i]], all.pixel[i] as usize);
-                judge_all(scratch);
-            }
-        } else {
-            judge_all(scratch);
         }
     }
 }
@@ -134,7 +133,8 @@ fn judge_group(
 impl Block {
     #[inline(always)]
     fn load(camera: &Camera<'_>, x: usize, y: usize, [width, height]: [usize; 2]) -> Block {
-        let mut block = Block { x, y, nearness: [[0.0; LANES]; BAND], ids: [[0; LANES]; BAND] };
+        let mut block =
+            Block { x, y, width, nearness: [[0.0; LANES]; BAND], ids: [[0; LANES]; BAND] };
         let columns = LANES.min(width - x);
         let map = camera.map();
         for row in 0..height {
@@ -145,6 +145,12 @@ impl Block {
             }
         }
         block
+    }
+
+    /// Where a pixel is in its band of the image.
+    #[inline(always)]
+    fn place(&self, pixel: usize) -> usize {
+        (pixel / LANES) * self.width + self.x + pixel % LANES
     }
 
     /// The pixels where there is something.
@@ -272,17 +278,24 @@ impl Block {
     /// which of them lie between its first and last row.
     #[inline(always)]
     fn warp(&self, greater: impl Greater, frustum: &Frustum<'_>, y: usize) -> ([Lanes; 3], u32) {
-        let [u, v, n, q] = [0, 1, 2, 3].map(|row| self.row_of(&frustum.warp[row], y));
-        let [u, v, n] = [u, v, n].map(|x| lanes(|i| x[i] / q[i]));
+        let q = self.row_of(&frustum.warp[3], y);
+        let u = over(self.row_of(&frustum.warp[0], y), &q);
+        let v = over(self.row_of(&frustum.warp[1], y), &q);
+        let n = over(self.row_of(&frustum.warp[2], y), &q);
         let height = frustum.size[1] as f32;
-        let finite = [u, n].map(|x| greater(&[f32::MAX; LANES], &lanes(|i| x[i].abs())));
+        let most = [f32::MAX; LANES];
         let inside = greater(&q, &[0.0; LANES])
             & greater(&v, &[0.0; LANES])
             & greater(&[height; LANES], &v)
-            & finite[0]
-            & finite[1];
+            & greater(&most, &lanes(|i| u[i].abs()))
+            & greater(&most, &lanes(|i| n[i].abs()));
         ([u, v, n], inside)
     }
+}
+
+#[inline(always)]
+fn over(x: Lanes, q: &Lanes) -> Lanes {
+    lanes(|i| x[i] / q[i])
 }
 
 const _: () = assert!(MOST <= Pixels::BITS as usize && MOST <= u8::MAX as usize + 1);

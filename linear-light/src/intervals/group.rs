@@ -65,6 +65,8 @@ fn vector(of: &[f32; MOST], index: usize) -> Lanes {
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
     pub receivers: Receivers,
+    /// Receivers that are to be judged one by one.
+    pub waiting: Receivers,
     row: RowReceivers,
     segments: Vec<u32>,
     segments_of: Vec<Range<usize>>,
@@ -77,6 +79,7 @@ impl Scratch {
     pub fn new() -> Scratch {
         Scratch {
             receivers: Receivers::NONE,
+            waiting: Receivers::NONE,
             row: RowReceivers::NONE,
             segments: Vec::new(),
             segments_of: Vec::new(),
@@ -158,7 +161,7 @@ pub(super) fn judge(
     tilt: &Tilt,
     scratch: &mut Scratch,
 ) -> bool {
-    let Scratch { receivers, row, segments, segments_of, runs, runs_of, intervals } = scratch;
+    let Scratch { receivers, row, segments, segments_of, runs, runs_of, intervals, .. } = scratch;
     let open = facing.open();
     receivers.visibility[..receivers.count].fill(open);
     let vectors = receivers.pad();
@@ -311,6 +314,18 @@ impl RowReceivers {
     }
 }
 
+/// The least and the greatest number in the first vectors of `of`.
+#[inline(always)]
+fn range(of: &[f32; MOST], vectors: usize) -> [f32; 2] {
+    let (mut lo, mut hi) = (vector(of, 0), vector(of, 0));
+    for index in 1..vectors {
+        let v = vector(of, index);
+        lo = lanes(|i| min(v[i], lo[i]));
+        hi = lanes(|i| max(v[i], hi[i]));
+    }
+    [least(&lo), greatest(&hi)]
+}
+
 /// Where the receivers are.
 struct Extent {
     columns: [f32; 2],
@@ -323,21 +338,12 @@ struct Extent {
 impl Extent {
     #[inline(always)]
     fn of(receivers: &Receivers, vectors: usize, tilt: &Tilt) -> Extent {
-        let range = |of: &[f32; MOST]| {
-            let (mut lo, mut hi) = (vector(of, 0), vector(of, 0));
-            for index in 1..vectors {
-                let v = vector(of, index);
-                lo = lanes(|i| min(v[i], lo[i]));
-                hi = lanes(|i| max(v[i], hi[i]));
-            }
-            [least(&lo), greatest(&hi)]
-        };
-        let nearness = range(&receivers.nearness);
+        let nearness = range(&receivers.nearness, vectors);
         // Receivers move along their plane by up to a row.
         let moved = tilt.per_row.abs();
         Extent {
-            columns: range(&receivers.column),
-            rows: range(&receivers.row),
+            columns: range(&receivers.column, vectors),
+            rows: range(&receivers.row, vectors),
             nearness: [nearness[0] - moved, nearness[1] + moved],
             reference: [receivers.column[0], receivers.row[0], receivers.nearness[0]],
         }

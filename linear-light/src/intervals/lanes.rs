@@ -51,42 +51,35 @@ pub(super) fn greatest(a: &Lanes) -> f32 {
 
 #[inline(always)]
 fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut a = *a;
-    for half in [8, 4, 2, 1] {
-        for i in 0..half {
-            a[i] = f(a[i], a[i + half]);
-        }
+    let (mut b, mut c) = ([0.0; 8], [0.0; 4]);
+    for i in 0..8 {
+        b[i] = f(a[i], a[i + 8]);
     }
-    a[0]
+    for i in 0..4 {
+        c[i] = f(b[i], b[i + 4]);
+    }
+    f(f(c[0], c[2]), f(c[1], c[3]))
 }
 
-/// The lane with the least key, and what `with` holds there. Of equal keys the lowest lane wins.
+/// The least lane and its number, the lowest of those with equal keys. NaN is never the least.
 #[inline(always)]
-pub(super) fn least_by(keys: &Lanes, with: &Lanes) -> (f32, f32) {
-    let (mut k, mut w) = (*keys, *with);
-    for half in [8, 4, 2, 1] {
-        for i in 0..half {
-            let other = k[i + half] < k[i];
-            w[i] = if other { w[i + half] } else { w[i] };
-            k[i] = if other { k[i + half] } else { k[i] };
-        }
-    }
-    (k[0], w[0])
+pub(super) fn least_lane(greater: impl Greater, keys: &Lanes) -> (f32, usize) {
+    let least = least(keys);
+    let mask = !greater(keys, &[least; LANES]) & 0xffff;
+    (least, mask.trailing_zeros() as usize % LANES)
 }
 
 /// Sixteen texels of a row from `start`; 0, nothing, beyond its ends.
 #[inline(always)]
 pub(super) fn texels(row: &[f32], start: usize) -> Lanes {
-    match row.get(start..start + LANES) {
-        Some(all) => all.try_into().unwrap_or([0.0; LANES]),
-        None => {
-            let mut out = [0.0; LANES];
-            if let Some(rest) = row.get(start..) {
-                out[..rest.len()].copy_from_slice(rest);
-            }
-            out
-        }
+    if let Some(Some(all)) = row.get(start..).map(|row| row.first_chunk()) {
+        return *all;
     }
+    let mut out = [0.0; LANES];
+    for (out, texel) in out.iter_mut().zip(row.iter().skip(start)) {
+        *out = *texel;
+    }
+    out
 }
 
 /// The left neighbours of sixteen texels from `start`.

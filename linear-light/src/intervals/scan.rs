@@ -2,7 +2,9 @@
 
 use alloc::vec::Vec;
 
-use super::lanes::{Greater, INDEX, LANES, Lanes, lanes, least_by, left_neighbours, max, texels};
+use super::lanes::{
+    Greater, INDEX, LANES, Lanes, lanes, least_lane, left_neighbours, max, min, texels,
+};
 
 /// How far, in texels, a surface reaches beyond the centre of its last texel before a depth
 /// discontinuity. Anything from 0 to 1 is possible and 1/2 is right on average for one map; but of
@@ -63,7 +65,9 @@ pub(super) struct RowSearch {
     pub steepest: f32,
 }
 
-/// The vertices of one run that hide the least and the most so far.
+/// The texels of one run that hide the least and the most so far, lane by lane. `most` is held
+/// negated.
+#[derive(Clone, Copy)]
 struct Extremes {
     least: Lanes,
     least_column: Lanes,
@@ -71,14 +75,8 @@ struct Extremes {
     most_column: Lanes,
 }
 
-const NONE: Extremes = Extremes {
-    least: [f32::INFINITY; LANES],
-    least_column: [0.0; LANES],
-    most: [f32::INFINITY; LANES],
-    most_column: [0.0; LANES],
-};
-
-struct Open {
+/// The run that is being followed: none if `end` is 0.
+struct Following {
     start: usize,
     end: usize,
     extremes: [Extremes; 2],
@@ -95,8 +93,14 @@ pub(super) fn scan(
 ) {
     let [a, c, d] = search.plane;
     let [p, q] = search.probes;
-    let behind = [super::lanes::min(p.nearness, q.nearness); LANES];
-    let mut open: Option<Open> = None;
+    let behind = [min(p.nearness, q.nearness); LANES];
+    let nothing = Extremes {
+        least: [f32::INFINITY; LANES],
+        least_column: [0.0; LANES],
+        most: [f32::INFINITY; LANES],
+        most_column: [0.0; LANES],
+    };
+    let mut run = Following { start: 0, end: 0, extremes: [nothing; 2] };
     for &segment in segments {
         let start = segment as usize * LANES;
         let w = texels(row, start);
@@ -110,37 +114,41 @@ pub(super) fn scan(
         let step = lanes(|i| (w[i] - left[i]).abs());
         let steepest = lanes(|i| search.steepest * max(w[i], left[i]));
         let linked = greater(&steepest, &step);
-        let hidden = search.probes.map(|probe| {
-            lanes(|i| probe.hidden(Vertex { column: column[i], nearness: w[i] }, search.disparity))
-        });
+        let hidden = [hidden(&p, &column, &w, search), hidden(&q, &column, &w, search)];
         while mask != 0 {
             let first = mask.trailing_zeros() as usize;
             // The texels that follow without a gap and without a step.
             let more = (!((mask & linked) >> (first + 1))).trailing_zeros() as usize;
-            let end = start + first + more + 1;
             mask &= !(((2_u32 << more) - 1) << first);
-            let continues = open
-                .as_ref()
-                .is_some_and(|open| first == 0 && open.end == start && linked & 1 != 0);
-            if !continues && let Some(done) = open.take() {
-                runs.push(done.close(row, search));
+            if !(first == 0 && run.end == start && linked & 1 != 0) {
+                if run.end > 0 {
+                    runs.push(run.close(greater, row, search));
+                }
+                run.start = start + first;
+                for extremes in &mut run.extremes {
+                    extremes.least = nothing.least;
+                    extremes.most = nothing.most;
+                }
             }
-            let run =
-                open.get_or_insert_with(|| Open { start: start + first, end, extremes: [NONE; 2] });
-            run.end = end;
-            let within = [(start + first) as f32, end as f32];
-            for (extremes, hidden) in run.extremes.iter_mut().zip(&hidden) {
-                extremes.add(hidden, &column, within);
-            }
+            run.end = start + first + more + 1;
+            let within = [(start + first) as f32, run.end as f32];
+            run.extremes[0].add(&hidden[0], &column, within);
+            run.extremes[1].add(&hidden[1], &column, within);
         }
     }
-    if let Some(done) = open {
-        runs.push(done.close(row, search));
+    if run.end > 0 {
+        runs.push(run.close(greater, row, search));
     }
 }
 
+/// What sixteen texels hide from a receiver.
+#[inline(always)]
+fn hidden(probe: &Probe, column: &Lanes, w: &Lanes, search: &RowSearch) -> Lanes {
+    lanes(|i| probe.hidden(Vertex { column: column[i], nearness: w[i] }, search.disparity))
+}
+
 impl Extremes {
-    /// Takes in the texels whose centres lie within two columns. `most` is held negated.
+    /// Takes in the texels whose centres lie between two columns.
     #[inline(always)]
     fn add(&mut self, hidden: &Lanes, column: &Lanes, [from, to]: [f32; 2]) {
         for i in 0..LANES {
@@ -155,38 +163,38 @@ impl Extremes {
     }
 }
 
-impl Open {
+impl Following {
     /// The run, its ends included.
     #[inline(always)]
-    fn close(&self, row: &[f32], search: &RowSearch) -> Run {
-        let at = |column: f32| row[(column as usize).min(row.len() - 1)];
-        let left = Vertex {
-            column: self.start as f32 + (0.5 - REACH),
-            nearness: row[self.start.min(row.len() - 1)],
-        };
-        let right = Vertex {
-            column: self.end as f32 + (REACH - 0.5),
-            nearness: row[(self.end - 1).min(row.len() - 1)],
-        };
+    fn close(&self, greater: impl Greater, row: &[f32], search: &RowSearch) -> Run {
+        let left = Vertex { column: self.start as f32 + (0.5 - REACH), nearness: row[self.start] };
+        let right = Vertex { column: self.end as f32 + (REACH - 0.5), nearness: row[self.end - 1] };
         let mut run = Run::default();
-        for (side, (extremes, probe)) in self.extremes.iter().zip(&search.probes).enumerate() {
-            let ends = [left, right].map(|end| (probe.hidden(end, search.disparity), end));
-            let inside = |(key, column): (f32, f32), sign: f32| {
-                (key * sign, Vertex { column, nearness: at(column) })
-            };
-            let (mut least, mut most) = (ends[0], ends[0]);
-            let others = [
-                ends[1],
-                inside(least_by(&extremes.least, &extremes.least_column), 1.0),
-                inside(least_by(&extremes.most, &extremes.most_column), -1.0),
-            ];
-            for other in others {
-                least = if other.0 < least.0 { other } else { least };
-                most = if other.0 > most.0 { other } else { most };
+        for side in 0..2 {
+            let (extremes, probe) = (&self.extremes[side], &search.probes[side]);
+            let by_left = probe.hidden(left, search.disparity);
+            let by_right = probe.hidden(right, search.disparity);
+            let (least, mut first) =
+                if by_right < by_left { (by_right, right) } else { (by_left, left) };
+            let (most, mut last) =
+                if by_right > by_left { (by_right, right) } else { (by_left, left) };
+            let (inner, lane) = least_lane(greater, &extremes.least);
+            if inner < least {
+                first = at(row, extremes.least_column[lane]);
             }
-            run.first[side] = least.1;
-            run.last[side] = most.1;
+            let (inner, lane) = least_lane(greater, &extremes.most);
+            if -inner > most {
+                last = at(row, extremes.most_column[lane]);
+            }
+            run.first[side] = first;
+            run.last[side] = last;
         }
         run
     }
+}
+
+/// The surface at a texel's centre.
+#[inline(always)]
+fn at(row: &[f32], column: f32) -> Vertex {
+    Vertex { column, nearness: row[column as usize] }
 }
