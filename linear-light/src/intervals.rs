@@ -48,7 +48,10 @@ mod kernels;
 mod lanes;
 #[cfg(test)]
 mod naive;
+mod receivers;
+mod rows;
 mod scan;
+mod search;
 #[cfg(test)]
 mod tests;
 mod union;
@@ -105,11 +108,11 @@ impl IntervalVisibility {
             let (level, map) = (self.level, sample.map);
             let width = map.width() as usize;
             bounds.resize(map.width(), map.height());
-            let (nodes, len) = bounds.bands();
-            for_each_band(self.threads, BandSlice { data: nodes, len }, &|band, nodes| {
+            for_each_band(self.threads, bounds.bands(), &|band, (nodes, most)| {
                 let end = ((band + 1) * BAND * width).min(map.nearness().len());
                 let rows = &map.nearness()[band * BAND * width..end];
-                run(level, Job::Bound { nodes: nodes.data, rows, width });
+                let (nodes, most) = (nodes.data, &mut most.data[0]);
+                run(level, Job::Bound { nodes, most, rows, width });
             });
         }
     }

@@ -4,8 +4,9 @@ use shadowmap_core::{Camera, Plane, Surfaces};
 
 use super::bounds::BAND;
 use super::frame::{Facing, Frame, Frustum, MAX_FRUSTA, UNKNOWN};
-use super::group::{MOST, Scratch, Tilt, judge};
-use super::lanes::{Greater, INDEX, LANES, Lanes, lanes};
+use super::group::{Group, Scratch};
+use super::lanes::{INDEX, LANES, Lanes, Ops, lanes};
+use super::receivers::{Pixels, from_row, in_row, warp_row};
 
 /// What was done for the receivers of a camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,19 +27,14 @@ const COPLANAR: f32 = 1.0 / 262_144.0;
 struct Block {
     x: usize,
     y: usize,
-    /// Pixels per row of the image.
-    width: usize,
     nearness: [Lanes; BAND],
     ids: [[u32; LANES]; BAND],
 }
 
-/// One bit per pixel of a block.
-type Pixels = u128;
-
 /// Judges all receivers of a band of the camera's image, from row `first_row` on.
 #[inline(always)]
 pub(super) fn judge_band(
-    greater: impl Greater,
+    ops: impl Ops,
     frame: &Frame<'_>,
     first_row: usize,
     out: &mut [f32],
@@ -47,85 +43,13 @@ pub(super) fn judge_band(
 ) {
     let width = frame.camera.map().width() as usize;
     let height = out.len() / width;
-    out.fill(0.0);
     for x in (0..width).step_by(LANES) {
         let block = Block::load(&frame.camera, x, first_row, [width, height]);
-        let mut left = block.receivers(greater);
-        counters.receivers += u64::from(left.count_ones());
-        while left != 0 {
-            let leader = left.trailing_zeros() as usize;
-            let (plane, group) = block.group(greater, &frame.camera, leader, left);
-            left &= !group;
-            let Some(facing) = Facing::new(frame, plane) else { continue };
-            judge_group(greater, frame, &block, &facing, group, scratch, counters, out);
-        }
-    }
-}
-
-/// Judges the receivers of a group, frustum after frustum.
-#[inline(always)]
-fn judge_group(
-    greater: impl Greater,
-    frame: &Frame<'_>,
-    block: &Block,
-    facing: &Facing,
-    group: Pixels,
-    scratch: &mut Scratch,
-    counters: &mut Counters,
-    out: &mut [f32],
-) {
-    for (index, frustum) in frame.frusta.iter().flatten().enumerate() {
-        let mine = group & block.in_frustum(greater, &frame.frusta, index);
-        if mine == 0 {
-            continue;
-        }
-        scratch.receivers.count = 0;
-        let mut outside = mine;
-        for y in 0..BAND {
-            let pixels = (mine >> (y * LANES)) as u32 & 0xffff;
-            if pixels == 0 {
-                continue;
-            }
-            let ([u, v, w], inside) = block.warp(greater, frustum, y);
-            let mut pixels = pixels & inside;
-            outside &= !(Pixels::from(pixels) << (y * LANES));
-            while pixels != 0 {
-                let i = pixels.trailing_zeros() as usize;
-                pixels &= pixels - 1;
-                scratch.receivers.push([u[i], v[i], w[i]], y * LANES + i);
-            }
-        }
-        counters.outside += u64::from(outside.count_ones());
-        while outside != 0 {
-            out[block.place(outside.trailing_zeros() as usize)] = facing.open();
-            outside &= outside - 1;
-        }
-        if scratch.receivers.count == 0 {
-            continue;
-        }
-        let tilt = Tilt::new(facing, frustum, scratch.receivers.nearness[0]);
-        // Receivers on a plane that is too steep are judged one by one.
-        let alone = if tilt.steep { scratch.receivers.count } else { 1 };
-        if alone > 1 {
-            scratch.waiting.clone_from(&scratch.receivers);
-        }
-        for i in 0..alone {
-            if alone > 1 {
-                let all = &scratch.waiting;
-                scratch.receivers.count = 0;
-                let place = [all.column[i], all.row[i], all.nearness[i]];
-                scratch.receivers.push(place, usize::from(all.pixel[i]));
-            }
-            let searched = judge(greater, frame, frustum, facing, &tilt, scratch);
-            let receivers = &scratch.receivers;
-            counters.searched += if searched { receivers.count as u64 } else { 0 };
-            for i in 0..receivers.count {
-                // Written so that NaN is lit.
-                let v = receivers.visibility[i];
-                let v = if v < 1.0 { v } else { 1.0 };
-                let v = if v > 0.0 { v } else { 0.0 };
-                out[block.place(usize::from(receivers.pixel[i]))] = v;
-            }
+        let mut visibility = [0.0; LANES * BAND];
+        block.judge(ops, frame, scratch, counters, &mut visibility);
+        let columns = LANES.min(width - x);
+        for (line, visibility) in out.chunks_exact_mut(width).zip(visibility.chunks_exact(LANES)) {
+            line[x..x + columns].copy_from_slice(&visibility[..columns]);
         }
     }
 }
@@ -133,8 +57,7 @@ fn judge_group(
 impl Block {
     #[inline(always)]
     fn load(camera: &Camera<'_>, x: usize, y: usize, [width, height]: [usize; 2]) -> Block {
-        let mut block =
-            Block { x, y, width, nearness: [[0.0; LANES]; BAND], ids: [[0; LANES]; BAND] };
+        let mut block = Block { x, y, nearness: [[0.0; LANES]; BAND], ids: [[0; LANES]; BAND] };
         let columns = LANES.min(width - x);
         let map = camera.map();
         for row in 0..height {
@@ -147,18 +70,67 @@ impl Block {
         block
     }
 
-    /// Where a pixel is in its band of the image.
+    /// Judges the receivers of the block, group after group.
     #[inline(always)]
-    fn place(&self, pixel: usize) -> usize {
-        (pixel / LANES) * self.width + self.x + pixel % LANES
+    fn judge(
+        &self,
+        ops: impl Ops,
+        frame: &Frame<'_>,
+        scratch: &mut Scratch,
+        counters: &mut Counters,
+        visibility: &mut [f32; LANES * BAND],
+    ) {
+        let all = self.receivers(ops);
+        counters.receivers += u64::from(all.count_ones());
+        if all == 0 {
+            return;
+        }
+        for (index, frustum) in frame.frusta.iter().flatten().enumerate() {
+            let mut left = all & self.in_frustum(ops, &frame.frusta, index);
+            if left == 0 {
+                continue;
+            }
+            scratch.receivers.warp(ops, frustum, [self.x, self.y], &self.nearness);
+            while left != 0 {
+                let leader = left.trailing_zeros() as usize;
+                let (plane, pixels) = self.group(ops, &frame.camera, leader, left);
+                left &= !pixels;
+                let Some(facing) = Facing::new(frame, plane) else { continue };
+                fill(ops, visibility, pixels, facing.open());
+                let inside = pixels & scratch.receivers.inside;
+                counters.outside += u64::from((pixels & !inside).count_ones());
+                if inside == 0 {
+                    continue;
+                }
+                let group = Group::new(ops, inside, facing, frustum, &scratch.receivers);
+                if group.is_lit(ops, frame, frustum, scratch) {
+                    continue;
+                }
+                counters.searched += u64::from(inside.count_ones());
+                // Receivers on a plane that is too steep are judged one by one.
+                let mut waiting = inside;
+                while waiting != 0 {
+                    let next =
+                        if group.tilt.steep { waiting & waiting.wrapping_neg() } else { waiting };
+                    waiting &= !next;
+                    let group = Group::new(ops, next, facing, frustum, &scratch.receivers);
+                    group.judge(ops, frame, frustum, scratch, visibility);
+                }
+            }
+        }
+        for v in visibility {
+            // Written so that NaN is lit.
+            *v = if *v < 1.0 { *v } else { 1.0 };
+            *v = if *v > 0.0 { *v } else { 0.0 };
+        }
     }
 
     /// The pixels where there is something.
     #[inline(always)]
-    fn receivers(&self, greater: impl Greater) -> Pixels {
+    fn receivers(&self, ops: impl Ops) -> Pixels {
         let mut pixels = 0;
         for (y, nearness) in self.nearness.iter().enumerate() {
-            pixels |= Pixels::from(greater(nearness, &[0.0; LANES])) << (y * LANES);
+            pixels |= from_row(ops.greater(nearness, &[0.0; LANES]), y);
         }
         pixels
     }
@@ -167,7 +139,7 @@ impl Block {
     #[inline(always)]
     fn group(
         &self,
-        greater: impl Greater,
+        ops: impl Ops,
         camera: &Camera<'_>,
         leader: usize,
         among: Pixels,
@@ -186,8 +158,8 @@ impl Block {
                 let id = self.ids[y][x];
                 for (row, ids) in self.ids.iter().enumerate() {
                     let differs = lanes(|i| (ids[i] ^ id) as f32);
-                    let same = greater(&[0.5; LANES], &differs);
-                    group |= Pixels::from(same) << (row * LANES);
+                    let same = ops.greater(&[0.5; LANES], &differs);
+                    group |= from_row(same, row);
                 }
             }
             _ => {
@@ -201,7 +173,7 @@ impl Block {
                         (((a * column + b * middle) + c * nearness[i]) + d).abs()
                     });
                     let within = lanes(|i| COPLANAR * (c * nearness[i]).abs());
-                    group |= Pixels::from(greater(&within, &off)) << (row * LANES);
+                    group |= from_row(ops.greater(&within, &off), row);
                 }
                 if let Surfaces::Normals(normals) = camera.surfaces() {
                     group = self.with_normal(camera, normals, leader, group & among);
@@ -239,7 +211,7 @@ impl Block {
     #[inline(always)]
     fn in_frustum(
         &self,
-        greater: impl Greater,
+        ops: impl Ops,
         frusta: &[Option<Frustum<'_>>; MAX_FRUSTA],
         index: usize,
     ) -> Pixels {
@@ -249,53 +221,26 @@ impl Block {
             if other_index == index {
                 continue;
             }
-            for y in 0..BAND {
-                let own_depth = self.row_of(&own.warp[3], y);
-                let other_depth = self.row_of(&other.warp[3], y);
+            for (y, nearness) in self.nearness.iter().enumerate() {
+                let at = [self.x, self.y + y];
+                let own_depth = warp_row(&own.warp[3], at, nearness);
+                let other_depth = warp_row(&other.warp[3], at, nearness);
                 let inside = if index < other_index {
-                    !greater(&other_depth, &own_depth) & 0xffff
+                    !ops.greater(&other_depth, &own_depth) & 0xffff
                 } else {
-                    greater(&own_depth, &other_depth)
+                    ops.greater(&own_depth, &other_depth)
                 };
-                let row = Pixels::from(0xffff_u32) << (y * LANES);
-                pixels &= !row | Pixels::from(inside) << (y * LANES);
+                pixels &= !from_row(0xffff, y) | from_row(inside, y);
             }
         }
         pixels
     }
-
-    /// One row of a warp for the pixels of row `y`.
-    #[inline(always)]
-    fn row_of(&self, r: &[f32; 4], y: usize) -> Lanes {
-        let middle = (self.y + y) as f32 + 0.5;
-        lanes(|i| {
-            let column = self.x as f32 + (INDEX[i] + 0.5);
-            ((r[0] * column + r[1] * middle) + r[2] * self.nearness[y][i]) + r[3]
-        })
-    }
-
-    /// Column, row and nearness of the pixels of row `y` in the map from the middle of the light, and
-    /// which of them lie between its first and last row.
-    #[inline(always)]
-    fn warp(&self, greater: impl Greater, frustum: &Frustum<'_>, y: usize) -> ([Lanes; 3], u32) {
-        let q = self.row_of(&frustum.warp[3], y);
-        let u = over(self.row_of(&frustum.warp[0], y), &q);
-        let v = over(self.row_of(&frustum.warp[1], y), &q);
-        let n = over(self.row_of(&frustum.warp[2], y), &q);
-        let height = frustum.size[1] as f32;
-        let most = [f32::MAX; LANES];
-        let inside = greater(&q, &[0.0; LANES])
-            & greater(&v, &[0.0; LANES])
-            & greater(&[height; LANES], &v)
-            & greater(&most, &lanes(|i| u[i].abs()))
-            & greater(&most, &lanes(|i| n[i].abs()));
-        ([u, v, n], inside)
-    }
 }
 
+/// Writes to the pixels of a block.
 #[inline(always)]
-fn over(x: Lanes, q: &Lanes) -> Lanes {
-    lanes(|i| x[i] / q[i])
+fn fill(ops: impl Ops, visibility: &mut [f32; LANES * BAND], pixels: Pixels, value: f32) {
+    for (y, line) in visibility.as_chunks_mut().0.iter_mut().enumerate() {
+        *line = ops.select(in_row(pixels, y), &[value; LANES], line);
+    }
 }
-
-const _: () = assert!(MOST <= Pixels::BITS as usize && MOST <= u8::MAX as usize + 1);

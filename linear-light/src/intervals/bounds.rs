@@ -3,7 +3,9 @@
 
 use alloc::vec::Vec;
 
-use super::lanes::{Greater, INDEX, LANES, Lanes, lanes, max};
+use shadowmap_core::BandSlice;
+
+use super::lanes::{INDEX, LANES, Lanes, Ops, greatest, lanes, least, max};
 
 /// Rows of texels in a band, and in a node.
 pub(super) const BAND: usize = 8;
@@ -43,11 +45,13 @@ pub(super) struct Bounds {
     nodes: Vec<Nodes>,
     /// Groups of nodes per band.
     columns: usize,
+    /// An upper bound of the nearness of all texels of each band.
+    most: Vec<f32>,
 }
 
 /// Which texels can matter to a group of receivers on one plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Search {
+pub(super) struct BandSearch {
     /// A texel at column s, row t with nearness w lies in front of the plane if
     /// `a s + b t + c w + d` exceeds `bias`.
     pub plane: [f32; 4],
@@ -67,27 +71,30 @@ impl Bounds {
         let bands = (height as usize).div_ceil(BAND);
         self.nodes.clear();
         self.nodes.resize(self.columns * bands, NOTHING);
+        self.most.resize(bands, 0.0);
     }
 
-    /// The nodes of all bands, and how many belong to one.
-    pub fn bands(&mut self) -> (&mut [Nodes], usize) {
-        (&mut self.nodes, self.columns)
+    /// What [`build`] fills in, band by band.
+    pub fn bands(&mut self) -> (BandSlice<'_, Nodes>, BandSlice<'_, f32>) {
+        (
+            BandSlice { data: &mut self.nodes, len: self.columns },
+            BandSlice { data: &mut self.most, len: 1 },
+        )
     }
 
     /// Appends to `found` every segment (16 columns from 16 times its number) of a band in which
     /// something can block.
     #[inline(always)]
-    pub fn search(
-        &self,
-        greater: impl Greater,
-        band: usize,
-        search: &Search,
-        found: &mut Vec<u32>,
-    ) {
+    pub fn search(&self, ops: impl Ops, band: usize, search: &BandSearch, found: &mut Vec<u32>) {
         let [a, b, c, d] = search.plane;
         let row = (band * BAND) as f32 + BAND as f32 * 0.5;
-        let nodes = &self.nodes[band * self.columns..(band + 1) * self.columns];
-        for (group, nodes) in nodes.iter().enumerate() {
+        // The groups of nodes that the nearest texel of the band could reach from.
+        let nearest = max(self.most[band] - search.nearness, 0.0);
+        let group_of = |column: f32| max(column, 0.0) as usize / (LANES * LANES);
+        let first = group_of(search.columns[0] - search.reach[0] * nearest);
+        let last = group_of(search.columns[1] + search.reach[1] * nearest).min(self.columns - 1);
+        for group in first..=last {
+            let nodes = &self.nodes[band * self.columns + group];
             let first = lanes(|i| ((group * LANES) as f32 + INDEX[i]) * LANES as f32);
             let extreme = if c < 0.0 { &nodes.low } else { &nodes.high };
             // The greatest that a texel of the node can lie in front of the plane.
@@ -98,16 +105,16 @@ impl Bounds {
                     + (c * nodes.slope_v[i] + b).abs() * HALF_ROWS;
                 (at_center + spread) + c * extreme[i]
             });
-            let mut mask = greater(&front, &[search.bias; LANES]);
+            let mut mask = ops.greater(&front, &[search.bias; LANES]);
             if mask == 0 {
                 continue;
             }
             let nearer = lanes(|i| nodes.most[i] - search.nearness);
-            mask &= greater(&nearer, &[0.0; LANES]);
+            mask &= ops.greater(&nearer, &[0.0; LANES]);
             let rightmost = lanes(|i| search.columns[1] + search.reach[1] * nearer[i]);
-            mask &= greater(&rightmost, &first);
+            mask &= ops.greater(&rightmost, &first);
             let leftmost = lanes(|i| search.columns[0] - search.reach[0] * nearer[i]);
-            mask &= greater(&lanes(|i| first[i] + LANES as f32), &leftmost);
+            mask &= ops.greater(&lanes(|i| first[i] + LANES as f32), &leftmost);
             while mask != 0 {
                 found.push((group * LANES) as u32 + mask.trailing_zeros());
                 mask &= mask - 1;
@@ -116,9 +123,11 @@ impl Bounds {
     }
 }
 
-/// Bounds the texels of one band of a map: `rows` holds its rows, of `width` texels each.
+/// Bounds the texels of one band of a map: `rows` holds its rows, of `width` texels each. Returns
+/// an upper bound of all.
 #[inline(always)]
-pub(super) fn build(band: &mut [Nodes], rows: &[f32], width: usize) {
+pub(super) fn build(band: &mut [Nodes], rows: &[f32], width: usize) -> f32 {
+    let mut most = [0.0; LANES];
     for (group, nodes) in band.iter_mut().enumerate() {
         *nodes = NOTHING;
         for node in 0..LANES {
@@ -128,7 +137,9 @@ pub(super) fn build(band: &mut [Nodes], rows: &[f32], width: usize) {
             }
             nodes.bound(node, rows, width, x0);
         }
+        most = lanes(|i| max(nodes.most[i], most[i]));
     }
+    greatest(&most)
 }
 
 impl Nodes {
@@ -169,8 +180,8 @@ impl Nodes {
         self.center[node] = center;
         self.slope_u[node] = slope_u;
         self.slope_v[node] = slope_v;
-        self.low[node] = super::lanes::least(&low);
-        self.high[node] = super::lanes::greatest(&high);
-        self.most[node] = super::lanes::greatest(&most);
+        self.low[node] = least(&low);
+        self.high[node] = greatest(&high);
+        self.most[node] = greatest(&most);
     }
 }

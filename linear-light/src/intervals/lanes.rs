@@ -2,16 +2,24 @@
 //!
 //! Arithmetic is written on plain arrays, which the compiler turns into vector instructions of
 //! whatever width the calling function may use. Only turning comparisons into bits has to be spelled
-//! out per instruction set: every kernel takes a `Greater` for that.
+//! out per instruction set: every kernel takes a `Ops` for that.
 
 /// Numbers in one vector, and texels in one segment of a map's row.
 pub(super) const LANES: usize = 16;
 
 pub(super) type Lanes = [f32; LANES];
 
-/// Bit i says whether the first operand's lane i is greater than the second's. False for NaN.
-pub(super) trait Greater: Fn(&Lanes, &Lanes) -> u32 + Copy {}
-impl<F: Fn(&Lanes, &Lanes) -> u32 + Copy> Greater for F {}
+/// What every instruction set writes by hand: from lanes to bits and back.
+pub(super) trait Ops: Copy {
+    /// Bit i says whether lane i of `a` is greater than that of `b`. False for NaN.
+    fn greater(self, a: &Lanes, b: &Lanes) -> u32;
+    /// Lane i of `a` where bit i is set, of `b` elsewhere.
+    fn select(self, bits: u32, a: &Lanes, b: &Lanes) -> Lanes;
+}
+
+/// The bit of each lane.
+pub(super) const BIT: [u32; LANES] =
+    [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768];
 
 /// The lane numbers.
 pub(super) const INDEX: Lanes =
@@ -63,9 +71,9 @@ fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
 
 /// The least lane and its number, the lowest of those with equal keys. NaN is never the least.
 #[inline(always)]
-pub(super) fn least_lane(greater: impl Greater, keys: &Lanes) -> (f32, usize) {
+pub(super) fn least_lane(ops: impl Ops, keys: &Lanes) -> (f32, usize) {
     let least = least(keys);
-    let mask = !greater(keys, &[least; LANES]) & 0xffff;
+    let mask = !ops.greater(keys, &[least; LANES]) & 0xffff;
     (least, mask.trailing_zeros() as usize % LANES)
 }
 

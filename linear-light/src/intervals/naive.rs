@@ -4,8 +4,8 @@
 use alloc::{vec, vec::Vec};
 
 use super::frame::{Facing, Frame, Frustum, UNKNOWN};
-use super::group::Tilt;
 use super::scan::{Probe, REACH, Vertex};
+use super::search::Tilt;
 
 /// What each pixel of the frame's camera sees, if there is one frustum.
 pub(super) fn visibility(frame: &Frame<'_>) -> Vec<f32> {

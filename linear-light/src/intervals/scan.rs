@@ -2,9 +2,14 @@
 
 use alloc::vec::Vec;
 
+use shadowmap_core::DepthMap;
+
+use super::bounds::{BAND, BandSearch};
+use super::frame::Frustum;
 use super::lanes::{
-    Greater, INDEX, LANES, Lanes, lanes, least_lane, left_neighbours, max, min, texels,
+    INDEX, LANES, Lanes, Ops, lanes, least_lane, left_neighbours, max, min, texels,
 };
+use super::search::MapSearch;
 
 /// How far, in texels, a surface reaches beyond the centre of its last texel before a depth
 /// discontinuity. Anything from 0 to 1 is possible and 1/2 is right on average for one map; but of
@@ -53,16 +58,65 @@ pub(super) struct Run {
 /// What to look for in a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowSearch {
-    /// A texel at column s with nearness w is in front of the receivers' plane if
-    /// `(a s + d) + c w` exceeds `bias`.
-    pub plane: [f32; 3],
-    pub bias: f32,
     /// The two outermost receivers.
     pub probes: [Probe; 2],
     /// Texels of disparity per nearness over the whole light.
     pub disparity: f32,
     /// [`STEEPEST`] footprints, as a fraction of the nearness.
     pub steepest: f32,
+}
+
+impl RowSearch {
+    /// The probes are given in the map from the middle of the light.
+    #[inline(always)]
+    pub fn new(frustum: &Frustum<'_>, map: &MapSearch, [p, q]: &[Probe; 2]) -> RowSearch {
+        let probes = [
+            Probe { u: p.u + map.shift * p.nearness, ..*p },
+            Probe { u: q.u + map.shift * q.nearness, ..*q },
+        ];
+        RowSearch { probes, disparity: frustum.disparity, steepest: frustum.steepest() }
+    }
+}
+
+/// Sixteen columns of a band of a map, and which of their texels lie in front of a plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    start: usize,
+    /// One bit per texel, row after row.
+    pub front: [u16; BAND],
+}
+
+impl Segment {
+    pub fn any(&self) -> bool {
+        self.front != [0; BAND]
+    }
+}
+
+/// What is in front of the plane in columns `16 * number` to `16 * number + 15` of the given rows
+/// (the first and the last, counted within the band).
+#[inline(always)]
+pub(super) fn fronts(
+    ops: impl Ops,
+    map: &DepthMap<'_>,
+    number: u32,
+    band: usize,
+    rows: [usize; 2],
+    search: &BandSearch,
+) -> Segment {
+    let start = number as usize * LANES;
+    let width = map.width() as usize;
+    let [a, b, c, d] = search.plane;
+    let along = lanes(|i| a * (start as f32 + (INDEX[i] + 0.5)) + d);
+    let mut front = [0; BAND];
+    for (y, front) in front.iter_mut().enumerate().take(rows[1] + 1).skip(rows[0]) {
+        let y = band * BAND + y;
+        let across = b * (y as f32 + 0.5);
+        let w = texels(&map.nearness()[y * width..(y + 1) * width], start);
+        let above = lanes(|i| (along[i] + across) + c * w[i]);
+        *front = (ops.greater(&above, &[search.bias; LANES])
+            & ops.greater(&w, &[search.nearness; LANES])) as u16;
+    }
+    Segment { start, front }
 }
 
 /// The texels of one run that hide the least and the most so far, lane by lane. `most` is held
@@ -82,16 +136,16 @@ struct Following {
     extremes: [Extremes; 2],
 }
 
-/// Appends the runs of the given segments (16 columns from 16 times each number, ascending).
+/// Appends the runs of a row, the `in_band`-th of its band; `segments` ascend.
 #[inline(always)]
 pub(super) fn scan(
-    greater: impl Greater,
+    ops: impl Ops,
     row: &[f32],
-    segments: &[u32],
+    segments: &[Segment],
+    in_band: usize,
     search: &RowSearch,
     runs: &mut Vec<Run>,
 ) {
-    let [a, c, d] = search.plane;
     let [p, q] = search.probes;
     let behind = [min(p.nearness, q.nearness); LANES];
     let nothing = Extremes {
@@ -101,19 +155,22 @@ pub(super) fn scan(
         most_column: [0.0; LANES],
     };
     let mut run = Following { start: 0, end: 0, extremes: [nothing; 2] };
-    for &segment in segments {
-        let start = segment as usize * LANES;
-        let w = texels(row, start);
-        let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
-        let front = lanes(|i| (a * column[i] + d) + c * w[i]);
-        let mut mask = greater(&front, &[search.bias; LANES]) & greater(&w, &behind);
+    for segment in segments {
+        let mut mask = u32::from(segment.front[in_band]);
         if mask == 0 {
             continue;
         }
+        let start = segment.start;
+        let w = texels(row, start);
+        mask &= ops.greater(&w, &behind);
+        if mask == 0 {
+            continue;
+        }
+        let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
         let left = left_neighbours(row, start);
         let step = lanes(|i| (w[i] - left[i]).abs());
         let steepest = lanes(|i| search.steepest * max(w[i], left[i]));
-        let linked = greater(&steepest, &step);
+        let linked = ops.greater(&steepest, &step);
         let hidden = [hidden(&p, &column, &w, search), hidden(&q, &column, &w, search)];
         while mask != 0 {
             let first = mask.trailing_zeros() as usize;
@@ -122,7 +179,7 @@ pub(super) fn scan(
             mask &= !(((2_u32 << more) - 1) << first);
             if !(first == 0 && run.end == start && linked & 1 != 0) {
                 if run.end > 0 {
-                    runs.push(run.close(greater, row, search));
+                    runs.push(run.close(ops, row, search));
                 }
                 run.start = start + first;
                 for extremes in &mut run.extremes {
@@ -137,7 +194,7 @@ pub(super) fn scan(
         }
     }
     if run.end > 0 {
-        runs.push(run.close(greater, row, search));
+        runs.push(run.close(ops, row, search));
     }
 }
 
@@ -166,7 +223,7 @@ impl Extremes {
 impl Following {
     /// The run, its ends included.
     #[inline(always)]
-    fn close(&self, greater: impl Greater, row: &[f32], search: &RowSearch) -> Run {
+    fn close(&self, ops: impl Ops, row: &[f32], search: &RowSearch) -> Run {
         let left = Vertex { column: self.start as f32 + (0.5 - REACH), nearness: row[self.start] };
         let right = Vertex { column: self.end as f32 + (REACH - 0.5), nearness: row[self.end - 1] };
         let mut run = Run::default();
@@ -178,11 +235,11 @@ impl Following {
                 if by_right < by_left { (by_right, right) } else { (by_left, left) };
             let (most, mut last) =
                 if by_right > by_left { (by_right, right) } else { (by_left, left) };
-            let (inner, lane) = least_lane(greater, &extremes.least);
+            let (inner, lane) = least_lane(ops, &extremes.least);
             if inner < least {
                 first = at(row, extremes.least_column[lane]);
             }
-            let (inner, lane) = least_lane(greater, &extremes.most);
+            let (inner, lane) = least_lane(ops, &extremes.most);
             if -inner > most {
                 last = at(row, extremes.most_column[lane]);
             }

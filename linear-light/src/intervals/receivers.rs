@@ -1,0 +1,124 @@
+//! The receivers of a block as the map from the middle of the light sees them.
+
+use super::bounds::BAND;
+use super::frame::Frustum;
+use super::lanes::{INDEX, LANES, Lanes, Ops, greatest, lanes, least, max, min};
+
+/// One bit per pixel of a block, row after row.
+pub(super) type Pixels = u128;
+
+const _: () = assert!(LANES * BAND == Pixels::BITS as usize);
+
+/// Those of `pixels` in row `y` of the block.
+#[inline(always)]
+pub(super) fn in_row(pixels: Pixels, y: usize) -> u32 {
+    (pixels >> (y * LANES)) as u32 & 0xffff
+}
+
+/// Pixels of a block, from those of one of its rows.
+#[inline(always)]
+pub(super) fn from_row(pixels: u32, y: usize) -> Pixels {
+    Pixels::from(pixels) << (y * LANES)
+}
+
+/// Column, row and nearness of every pixel of a block in the map from the middle of the light.
+#[derive(Clone, Debug)]
+pub(super) struct Receivers {
+    pub column: [Lanes; BAND],
+    pub row: [Lanes; BAND],
+    pub nearness: [Lanes; BAND],
+    /// The pixels that lie in front of the light, between the first and the last row.
+    pub inside: Pixels,
+}
+
+impl Receivers {
+    pub const NONE: Receivers = Receivers {
+        column: [[0.0; LANES]; BAND],
+        row: [[0.0; LANES]; BAND],
+        nearness: [[0.0; LANES]; BAND],
+        inside: 0,
+    };
+
+    /// Warps the pixels from (x, y) on, whose nearness for the camera is given.
+    #[inline(always)]
+    pub fn warp(
+        &mut self,
+        ops: impl Ops,
+        frustum: &Frustum<'_>,
+        [x, y]: [usize; 2],
+        nearness: &[Lanes; BAND],
+    ) {
+        let height = [frustum.size[1] as f32; LANES];
+        let (none, most) = ([0.0; LANES], [f32::MAX; LANES]);
+        self.inside = 0;
+        for row in 0..BAND {
+            let at = [x, y + row];
+            let q = warp_row(&frustum.warp[3], at, &nearness[row]);
+            let one = lanes(|i| 1.0 / q[i]);
+            let u = times(warp_row(&frustum.warp[0], at, &nearness[row]), &one);
+            let v = times(warp_row(&frustum.warp[1], at, &nearness[row]), &one);
+            let w = times(warp_row(&frustum.warp[2], at, &nearness[row]), &one);
+            let inside = ops.greater(&q, &none)
+                & ops.greater(&v, &none)
+                & ops.greater(&height, &v)
+                & ops.greater(&most, &lanes(|i| u[i].abs()))
+                & ops.greater(&most, &lanes(|i| w[i].abs()));
+            self.inside |= from_row(inside, row);
+            (self.column[row], self.row[row], self.nearness[row]) = (u, v, w);
+        }
+    }
+
+    /// Where the pixels of `group`, which must not be empty, are.
+    #[inline(always)]
+    pub fn extent(&self, ops: impl Ops, group: Pixels) -> Extent {
+        let (many, few) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let (mut lo, mut hi) = ([many; 3], [few; 3]);
+        for y in 0..BAND {
+            let pixels = in_row(group, y);
+            if pixels == 0 {
+                continue;
+            }
+            for (axis, of) in [&self.column, &self.row, &self.nearness].into_iter().enumerate() {
+                let (low, high) =
+                    (ops.select(pixels, &of[y], &many), ops.select(pixels, &of[y], &few));
+                lo[axis] = lanes(|i| min(low[i], lo[axis][i]));
+                hi[axis] = lanes(|i| max(high[i], hi[axis][i]));
+            }
+        }
+        Extent {
+            columns: [least(&lo[0]), greatest(&hi[0])],
+            rows: [least(&lo[1]), greatest(&hi[1])],
+            nearness: [least(&lo[2]), greatest(&hi[2])],
+        }
+    }
+
+    /// Column, row and nearness of one pixel.
+    #[inline(always)]
+    pub fn at(&self, pixel: usize) -> [f32; 3] {
+        let (y, x) = (pixel / LANES, pixel % LANES);
+        [self.column[y][x], self.row[y][x], self.nearness[y][x]]
+    }
+}
+
+/// The ranges that receivers span.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub columns: [f32; 2],
+    pub rows: [f32; 2],
+    pub nearness: [f32; 2],
+}
+
+/// One row of a warp for sixteen pixels from (x, y) on.
+#[inline(always)]
+pub(super) fn warp_row(r: &[f32; 4], [x, y]: [usize; 2], nearness: &Lanes) -> Lanes {
+    let middle = y as f32 + 0.5;
+    lanes(|i| {
+        let column = x as f32 + (INDEX[i] + 0.5);
+        ((r[0] * column + r[1] * middle) + r[2] * nearness[i]) + r[3]
+    })
+}
+
+#[inline(always)]
+fn times(x: Lanes, by: &Lanes) -> Lanes {
+    lanes(|i| x[i] * by[i])
+}
