@@ -55,6 +55,7 @@ mod bins;
 mod clip;
 mod coverage;
 
+mod lanes;
 mod line;
 mod map;
 mod mask;

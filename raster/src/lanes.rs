@@ -1,0 +1,178 @@
+//! Coverage and plane equations of as many triangles at a time as a vector has lanes.
+
+use crate::bins::Grid;
+use crate::coverage::{SNAP_SHIFT, SUBTEXELS};
+use crate::plane::STEEPEST;
+use crate::simd::{MAX_LANES, Simd};
+
+/// Below this width and height, in 1/256 texel, a triangle is small: its edge functions are exact
+/// in single precision.
+const SMALL: i32 = 16 * SUBTEXELS;
+
+/// A vector of triangles, snapped, and what they cover.
+pub(crate) struct Lanes<S: Simd> {
+    /// The bounds: first and last column, first and last row.
+    pub(crate) x: [S::I; 2],
+    pub(crate) y: [S::I; 2],
+    /// The edge functions at the centre of the first texel, less 1 where they do not own it.
+    pub(crate) edges: [S::F; 3],
+    /// The extent of each edge.
+    pub(crate) delta: [[S::F; 2]; 3],
+    /// Less than [`SMALL`], with an area and something in the bounds.
+    pub(crate) drawn: u32,
+    /// Of these, those that cover the texels (0, 0), (1, 0), (0, 1), (1, 1) of bounds that have no
+    /// others.
+    pub(crate) tiny: [u32; 4],
+    /// Those with larger bounds.
+    pub(crate) small: u32,
+    /// Not small, with something in the bounds.
+    pub(crate) large: u32,
+    /// With a vertex that needs clipping.
+    pub(crate) special: u32,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    pub(crate) fn cover(s: S, seen: &[(S::F, S::F); 3], wanted: u32, grid: &Grid) -> Lanes<S> {
+        let zero = s.splat_f(0.0);
+        let sum = s.add_f(s.add_f(seen[0].0, seen[1].0), seen[2].0);
+        let special = !s.bits(s.equal_f(sum, sum));
+        let us = [snap(s, seen[0].0), snap(s, seen[1].0), snap(s, seen[2].0)];
+        let vs = [snap(s, seen[0].1), snap(s, seen[1].1), snap(s, seen[2].1)];
+        let (x, wide) = bounds(s, us, grid.width);
+        let (y, high) = bounds(s, vs, grid.height);
+        let empty = s.or_m(s.greater_i(x[0], x[1]), s.greater_i(y[0], y[1]));
+        let in_bounds = wanted & !s.bits(empty) & !special;
+        // From here on relative to the centre of the first texel.
+        let us = relative(s, us, x[0]);
+        let vs = relative(s, vs, y[0]);
+        let mut delta = [[zero; 2]; 3];
+        for (k, delta) in delta.iter_mut().enumerate() {
+            let to = (k + 1) % 3;
+            *delta = [s.sub_f(us[to], us[k]), s.sub_f(vs[to], vs[k])];
+        }
+        // Wound so that the edge functions are positive inside; (dx, dy) of edge 2 points back to
+        // vertex 0, whence the order of the products.
+        let area = s.sub_f(s.mul_f(delta[2][0], delta[0][1]), s.mul_f(delta[0][0], delta[2][1]));
+        let step = s.splat_f(SUBTEXELS as f32);
+        let (mut edges, mut right, mut below, mut both) =
+            ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+        for k in 0..3 {
+            let [dx, dy] = [s.flip_f(delta[k][0], area), s.flip_f(delta[k][1], area)];
+            delta[k] = [dx, dy];
+            let level = s.and_m(s.equal_f(dy, zero), s.less_f(zero, dx));
+            let owned = s.or_m(s.less_f(dy, zero), level);
+            let edge = s.sub_f(s.mul_f(dy, us[k]), s.mul_f(dx, vs[k]));
+            edges[k] = s.sub_f(edge, s.select_f(owned, zero, s.splat_f(1.0)));
+            right[k] = s.sub_f(edges[k], s.mul_f(dy, step));
+            below[k] = s.add_f(edges[k], s.mul_f(dx, step));
+            both[k] = s.add_f(right[k], s.mul_f(dx, step));
+        }
+        let has_right = s.bits(s.greater_i(x[1], x[0]));
+        let has_below = s.bits(s.greater_i(y[1], y[0]));
+        let one = s.splat_i(1);
+        let beyond =
+            s.or_m(s.greater_i(s.sub_i(x[1], x[0]), one), s.greater_i(s.sub_i(y[1], y[0]), one));
+        let is_tiny = !s.bits(beyond);
+        let limit = s.splat_i(SMALL);
+        let is_small = s.bits(s.and_m(s.greater_i(limit, wide), s.greater_i(limit, high)));
+        let is_small = if (grid.width as usize) < MAX_LANES { 0 } else { is_small };
+        let flat = s.bits(s.equal_f(area, zero));
+        let drawn = in_bounds & is_small & !flat;
+        let tiny = drawn & is_tiny;
+        Lanes {
+            x,
+            y,
+            edges,
+            delta,
+            tiny: [
+                tiny & inside(s, edges),
+                tiny & inside(s, right) & has_right,
+                tiny & inside(s, below) & has_below,
+                tiny & inside(s, both) & has_right & has_below,
+            ],
+            small: drawn & !is_tiny,
+            large: in_bounds & !is_small,
+            special: special & wanted,
+            drawn,
+        }
+    }
+}
+
+/// The lanes in which no edge function is negative.
+#[inline(always)]
+fn inside<S: Simd>(s: S, [a, b, c]: [S::F; 3]) -> u32 {
+    !s.bits(s.less_f(s.min_f(s.min_f(a, b), c), s.splat_f(0.0)))
+}
+
+/// Snapped coordinates relative to the centre of a texel.
+#[inline(always)]
+fn relative<S: Simd>(s: S, [a, b, c]: [S::I; 3], texel: S::I) -> [S::F; 3] {
+    let center = s.add_i(s.shift_left::<8>(texel), s.splat_i(SUBTEXELS / 2));
+    [s.f_from_i(s.sub_i(a, center)), s.f_from_i(s.sub_i(b, center)), s.f_from_i(s.sub_i(c, center))]
+}
+
+/// [`crate::coverage::snap`].
+#[inline(always)]
+fn snap<S: Simd>(s: S, a: S::F) -> S::I {
+    let shifted = s.add_f(s.mul_f(a, s.splat_f(SUBTEXELS as f32)), s.splat_f(SNAP_SHIFT));
+    s.sub_i(s.i_from_bits(shifted), s.splat_i(SNAP_SHIFT.to_bits() as i32))
+}
+
+/// First and last texel along one axis, as [`crate::coverage::centers_between`], and the extent.
+#[inline(always)]
+fn bounds<S: Simd>(s: S, [a, b, c]: [S::I; 3], size: u32) -> ([S::I; 2], S::I) {
+    const HALF: i32 = SUBTEXELS / 2;
+    let (low, high) = (s.min_i(s.min_i(a, b), c), s.max_i(s.max_i(a, b), c));
+    let first = s.shift_right::<8>(s.add_i(low, s.splat_i(HALF - 1)));
+    let last = s.shift_right::<8>(s.sub_i(high, s.splat_i(HALF)));
+    let bounds = [s.max_i(first, s.splat_i(0)), s.min_i(last, s.splat_i(size as i32 - 1))];
+    (bounds, s.sub_i(high, low))
+}
+
+/// Plane equations side by side.
+pub(crate) struct Planes<S: Simd> {
+    pub(crate) a: S::D,
+    pub(crate) b: S::D,
+    pub(crate) c: S::D,
+    pub(crate) low: S::F,
+    pub(crate) high: S::F,
+    /// Which of them mean something.
+    pub(crate) sound: u32,
+}
+
+impl<S: Simd> Planes<S> {
+    /// [`Plane::through`], in the same order of operations.
+    #[inline(always)]
+    pub(crate) fn through(s: S, seen: &[(S::F, S::F); 3], near: [S::F; 3]) -> Planes<S> {
+        let (x0, y0) = (s.d_from_f(seen[0].0), s.d_from_f(seen[0].1));
+        let n0 = s.d_from_f(near[0]);
+        let dx1 = s.sub_d(s.d_from_f(seen[1].0), x0);
+        let dx2 = s.sub_d(s.d_from_f(seen[2].0), x0);
+        let dy1 = s.sub_d(s.d_from_f(seen[1].1), y0);
+        let dy2 = s.sub_d(s.d_from_f(seen[2].1), y0);
+        let dn1 = s.sub_d(s.d_from_f(near[1]), n0);
+        let dn2 = s.sub_d(s.d_from_f(near[2]), n0);
+        let scale = s.div_d(s.splat_d(1.0), cross(s, dx1, dy2, dx2, dy1));
+        let a = s.mul_d(cross(s, dn1, dy2, dn2, dy1), scale);
+        let b = s.mul_d(cross(s, dx1, dn2, dx2, dn1), scale);
+        let c = s.sub_d(n0, s.add_d(s.mul_d(a, x0), s.mul_d(b, y0)));
+        let low = s.min_f(s.min_f(near[0], near[1]), near[2]);
+        let high = s.max_f(s.max_f(near[0], near[1]), near[2]);
+        let sound = is_sound(s, a) & is_sound(s, b) & is_sound(s, c);
+        Planes { a, b, c, low, high, sound }
+    }
+}
+
+/// `a b - c d`.
+#[inline(always)]
+fn cross<S: Simd>(s: S, a: S::D, b: S::D, c: S::D, d: S::D) -> S::D {
+    s.sub_d(s.mul_d(a, b), s.mul_d(c, d))
+}
+
+/// The lanes of less than [`STEEPEST`].
+#[inline(always)]
+fn is_sound<S: Simd>(s: S, a: S::D) -> u32 {
+    let a = s.f_from_d(a);
+    s.bits(s.and_m(s.less_f(a, s.splat_f(STEEPEST)), s.less_f(s.splat_f(-STEEPEST), a)))
+}
