@@ -221,11 +221,15 @@ impl Scene {
         Some(Bounds { min, max })
     }
 
-    /// Adds a warning unless the same was said before.
+    /// Adds a warning unless the same was said before. After 50, no more are taken.
     pub fn warn(&mut self, warning: impl Into<String>) {
+        const MOST: usize = 50;
         let warning = warning.into();
-        if !self.warnings.contains(&warning) {
+        if self.warnings.len() < MOST && !self.warnings.contains(&warning) {
             self.warnings.push(warning);
+            if self.warnings.len() == MOST {
+                self.warnings.push("further warnings are left out".into());
+            }
         }
     }
 }

@@ -35,6 +35,8 @@ impl Builder {
 
     /// A new object ID.
     pub(super) fn object(&mut self, name: String) -> Result<u32, Fault> {
+        self.budget
+            .memory(size_of::<String>() as u64 + name.len() as u64, "the names of objects")?;
         self.scene.object_names.push(name);
         u32::try_from(self.scene.object_names.len())
             .map_err(|_| Fault::TooLarge("the scene has more than 2^32 objects".into()))

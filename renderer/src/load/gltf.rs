@@ -57,22 +57,32 @@ fn parse(json: &[u8], budget: &mut Budget) -> Result<Root, Fault> {
         })
         .sum();
     budget.memory(json.len() as u64 + structure, "the JSON of the file")?;
-    serde_json::from_slice(json).map_err(|e| malformed(format!("malformed JSON: {e}")))
+    serde_json::from_slice(json).map_err(|e| {
+        // What is said of a long string holds the string.
+        let (text, line, column) = (e.to_string(), e.line(), e.column());
+        if text.chars().count() < 200 {
+            return malformed(format!("malformed JSON: {text}"));
+        }
+        let text: String = text.chars().take(120).collect();
+        malformed(format!("malformed JSON: {text}... at line {line} column {column}"))
+    })
 }
 
 /// Places every mesh of every node.
 fn draw(document: &Document, placed: &[Placed], builder: &mut Builder) -> Result<(), Fault> {
     let root = &document.root;
     let nodes = || placed.iter().filter_map(|p| Some((p, root.nodes[p.node].mesh?)));
+    let triangles: Vec<u64> =
+        (0..root.meshes.len()).map(|mesh| primitives::count_triangles(root, mesh)).collect();
     let mut uses = vec![0_usize; root.meshes.len()];
     for (_, mesh) in nodes() {
         uses[mesh] += 1;
         // Refuse what is too large before any of it is read.
-        builder.budget.triangles(primitives::count_triangles(root, mesh))?;
+        builder.budget.triangles(triangles[mesh])?;
     }
     let one_node = nodes().nth(1).is_none();
 
-    let mut read: Vec<Option<Vec<Part>>> = root.meshes.iter().map(|_| None).collect();
+    let mut read: Vec<Option<Vec<(usize, Part)>>> = root.meshes.iter().map(|_| None).collect();
     let mut remap = Remap::default();
     for (Placed { node, world }, mesh) in nodes() {
         let parts = match read[mesh].take() {
@@ -81,10 +91,13 @@ fn draw(document: &Document, placed: &[Placed], builder: &mut Builder) -> Result
         };
         let name = root.node_name(*node);
         let id = if one_node { None } else { Some(builder.object(name.clone())?) };
-        for (i, part) in parts.iter().enumerate().filter(|(_, part)| !part.triangles.is_empty()) {
+        for (primitive, part) in &parts {
             let id = match id {
                 Some(id) => id,
-                None => builder.object(part_name(&name, i, parts.len()))?,
+                None => {
+                    let primitives = root.meshes[mesh].primitives.len();
+                    builder.object(part_name(&name, *primitive, primitives))?
+                }
             };
             builder.place(part, world, id)?;
         }

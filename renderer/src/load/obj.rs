@@ -18,6 +18,9 @@ use crate::scene::{Material, Scene, Texture, Wrap};
 use polygon::Triangulator;
 use text::{Line, lines, number, words};
 
+/// Material files that are read for one model.
+const MOST_LIBRARIES: u32 = 256;
+
 /// No index.
 const NONE: u32 = u32::MAX;
 
@@ -82,7 +85,7 @@ impl Numbers {
 
 fn parse(text: &str, builder: &mut Builder) -> Result<Obj, Fault> {
     let mut obj = Obj::default();
-    let (mut objects, mut materials) = (Numbers::default(), Numbers::default());
+    let [mut objects, mut materials, mut libraries] = [(); 3].map(|()| Numbers::default());
     let (mut object, mut group) = ("", "");
     // The number of the object that these two name, once it has a face.
     let mut current = None;
@@ -121,10 +124,14 @@ fn parse(text: &str, builder: &mut Builder) -> Result<Obj, Fault> {
                 }
                 builder.budget.triangles(corners as u64 - 2)?;
                 builder.budget.memory(32, "the faces")?;
-                let object = *current.get_or_insert_with(|| {
-                    let name = [object, group].join(if group.is_empty() { "" } else { "/" });
-                    objects.get(&name, &mut obj.objects)
-                });
+                let object = match current {
+                    Some(known) => known,
+                    None => {
+                        let name = [object, group].join(if group.is_empty() { "" } else { "/" });
+                        builder.budget.memory(name.len() as u64 * 2, "the names of objects")?;
+                        *current.insert(objects.get(&name, &mut obj.objects))
+                    }
+                };
                 let end = obj.corners.len();
                 obj.faces.push(Face { end, line: number, object, material, smooth });
             }
@@ -132,7 +139,13 @@ fn parse(text: &str, builder: &mut Builder) -> Result<Obj, Fault> {
             "g" => (group, current) = (rest, None),
             "s" => smooth = !matches!(rest, "off" | "0"),
             "usemtl" => material = materials.get(rest, &mut obj.materials),
-            "mtllib" => obj.libraries.push(rest.to_owned()),
+            "mtllib" => {
+                let library = libraries.get(rest, &mut obj.libraries);
+                if library >= MOST_LIBRARIES {
+                    let text = format!("the file names more than {MOST_LIBRARIES} material files");
+                    return Err(Fault::TooLarge(text));
+                }
+            }
             "p" | "l" => builder.scene.warn("points and lines are not drawn"),
             "curv" | "curv2" | "surf" => builder.scene.warn("curves and surfaces are not drawn"),
             _ => {}

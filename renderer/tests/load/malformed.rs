@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use renderer::load::{Format, Limits, load, load_bytes};
+use renderer::load::{Fault, Format, Limits, load, load_bytes};
 use serde_json::{Value, json};
 
 use crate::generate::{Gltf, OBJ, everything, glb};
@@ -95,6 +95,7 @@ const GLTF: &[Case] = &[
     ("everything infinitely large", |g| set(g, "/nodes/0", "scale", json!([1e300, 1e300, 1e300])), "nothing to render"),
     ("an empty scene", |g| set(g, "/scenes/1", "nodes", json!([])), "nothing to render"),
     ("no primitives", |g| g.json["meshes"] = json!(vec![json!({}); 4]), "nothing to render"),
+    ("a long string", |g| g.json["nodes"] = "\n".repeat(100_000).into(), "... at line 1"),
     ("huge picture", |g| picture(g, 60_000, 60_000), "60000 x 60000"),
     ("endless picture", |g| picture(g, u32::MAX >> 1, u32::MAX >> 1), "picture"),
 ];
@@ -264,6 +265,39 @@ fn instances_beyond_the_limit_are_not_drawn_first() {
         load_bytes(Format::Gltf, &file.glb(), &Limits::default()).unwrap().mesh.ids.len(),
         200_000
     );
+}
+
+/// Small files that would multiply: a long name per node, many empty primitives per node, many
+/// missing materials and material files.
+#[test]
+fn nothing_multiplies() {
+    let limits = Limits { max_memory: 256 << 20, ..Limits::default() };
+    let many = 30_000;
+    let mut file = everything();
+    file.json["nodes"] = vec![json!({ "mesh": 0 }); many].into();
+    file.json["scenes"] = json!([{ "nodes": (0..many).collect::<Vec<_>>() }]);
+    file.json["scene"] = 0.into();
+    let mut long = file.clone();
+    set(&mut long, "/meshes/0", "name", "n".repeat(100_000));
+    let error = load_bytes(Format::Gltf, &long.glb(), &limits).unwrap_err();
+    assert!(matches!(error.fault, Fault::TooLarge(_)), "{error}");
+
+    let primitives = file.at("/meshes/0/primitives").as_array_mut().unwrap();
+    primitives.extend(vec![json!({ "attributes": {} }); many]);
+    let start = Instant::now();
+    let scene = load_bytes(Format::Gltf, &file.glb(), &limits).unwrap();
+    assert_eq!(scene.mesh.triangles.len(), 2 * many);
+    assert!(start.elapsed() < Duration::from_secs(20));
+
+    let mut text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nmtllib none.mtl\n".to_owned();
+    for i in 0..many {
+        text += &format!("usemtl m{i}\nf 1 2 3\n");
+    }
+    let scene = load_bytes(Format::Obj, text.as_bytes(), &limits).unwrap();
+    assert!(scene.warnings.len() < 60);
+    let libraries: String = (0..many).map(|i| format!("mtllib {i}.mtl\n")).collect();
+    let error = load_bytes(Format::Obj, libraries.as_bytes(), &limits).unwrap_err();
+    assert!(error.to_string().contains("material files"), "{error}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Arrays of numbers inside buffers: strided, normalized, sparse.
 
 use super::super::error::{Fault, malformed};
+use super::super::limits::Budget;
 use super::Document;
 
 /// The type of a number.
@@ -94,7 +95,11 @@ impl<'a> Elements<'a> {
     /// # Errors
     ///
     /// When the accessor holds no data, only compressed data, or replaces elements out of order.
-    pub(super) fn of(document: &'a Document<'_>, index: usize) -> Result<Self, Fault> {
+    pub(super) fn of(
+        document: &'a Document<'_>,
+        index: usize,
+        budget: &mut Budget,
+    ) -> Result<Self, Fault> {
         let accessor = &document.root.accessors[index];
         let known = Component::from_code(accessor.component_type);
         let (component, components) =
@@ -111,6 +116,8 @@ impl<'a> Elements<'a> {
         };
         let replaced = match &accessor.sparse {
             Some(sparse) => {
+                // Their order is checked at every use: time, bounded like memory.
+                budget.memory(sparse.count.saturating_mul(4), "sparse accessors")?;
                 let view = |view| document.buffers.view(&document.root, view);
                 let (indices, values) = (&sparse.indices, &sparse.values);
                 let index = Component::from_code(indices.component_type);

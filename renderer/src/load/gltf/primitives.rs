@@ -42,18 +42,21 @@ pub(super) struct Remap {
     primitive: u32,
 }
 
-/// Reads all primitives of a mesh. Points and lines become parts without triangles.
+/// Reads the primitives of a mesh that have triangles, each with its index in the mesh.
 pub(super) fn read_mesh(
     document: &Document<'_>,
     mesh: usize,
     remap: &mut Remap,
     builder: &mut Builder,
-) -> Result<Vec<Part>, Fault> {
+) -> Result<Vec<(usize, Part)>, Fault> {
     let primitives = document.root.meshes[mesh].primitives.iter().enumerate();
     let mut parts = Vec::new();
     for (i, primitive) in primitives {
         let place = format!("meshes[{mesh}].primitives[{i}]");
-        parts.push(read_primitive(document, primitive, &place, remap, builder)?);
+        let part = read_primitive(document, primitive, &place, remap, builder)?;
+        if !part.triangles.is_empty() {
+            parts.push((i, part));
+        }
     }
     Ok(parts)
 }
@@ -83,7 +86,8 @@ fn read_primitive(
     let count = vertex_count(root, position, place)?;
     let triangles = triangles_of(root, primitive);
     builder.budget.memory(triangles * 12 + (3 * triangles).min(count.into()) * 4, place)?;
-    let indices = primitive.indices.map(|i| Elements::of(document, i)).transpose()?;
+    let indices = primitive.indices;
+    let indices = indices.map(|i| Elements::of(document, i, &mut builder.budget)).transpose()?;
     if mode == TRIANGLES && indices.as_ref().map_or(count as usize, Elements::count) % 3 != 0 {
         builder.scene.warn("corners that do not make up a whole triangle are not drawn");
     }
@@ -107,18 +111,18 @@ fn read_primitive(
     }
     builder.budget.memory(used.len() as u64 * VERTEX_BYTES, place)?;
 
-    let positions = attribute(document, position, &["VEC3"], place)?;
+    let positions = attribute(document, position, &["VEC3"], place, &mut builder.budget)?;
     let used = || used.iter().map(|&i| i as usize);
     part.positions = used().map(|i| Vec3::from(positions.floats(i))).collect();
     if let Some(&normals) = primitive.attributes.get("NORMAL") {
-        let normals = attribute(document, normals, &["VEC3"], place)?;
+        let normals = attribute(document, normals, &["VEC3"], place, &mut builder.budget)?;
         part.normals = used().map(|i| Vec3::from(normals.floats(i))).collect();
     }
     if let Some(coordinates) = materials::coordinates(root, primitive.material) {
         let TextureCoordinates { set, matrix } = coordinates;
         match primitive.attributes.get(&format!("TEXCOORD_{set}")) {
             Some(&uvs) => {
-                let uvs = attribute(document, uvs, &["VEC2"], place)?;
+                let uvs = attribute(document, uvs, &["VEC2"], place, &mut builder.budget)?;
                 let placed = |uv: Vec2| Mat3::transform_point2(&matrix, uv);
                 part.uvs = used().map(|i| placed(Vec2::from(uvs.floats(i)))).collect();
             }
@@ -126,7 +130,7 @@ fn read_primitive(
         }
     }
     if let Some(&colors) = primitive.attributes.get("COLOR_0") {
-        let colors = attribute(document, colors, &["VEC3", "VEC4"], place)?;
+        let colors = attribute(document, colors, &["VEC3", "VEC4"], place, &mut builder.budget)?;
         let opaque = colors.components() == 3;
         let color = |i| {
             let color = Vec4::from(colors.floats(i));
@@ -172,9 +176,10 @@ fn attribute<'a>(
     accessor: usize,
     types: &[&str],
     place: &str,
+    budget: &mut Budget,
 ) -> Result<Elements<'a>, Fault> {
     let kind = document.root.accessors[accessor].kind.as_str();
-    let elements = Elements::of(document, accessor)?;
+    let elements = Elements::of(document, accessor, budget)?;
     if !types.contains(&kind) || elements.component() == Component::U32 {
         return Err(malformed(format!(
             "{place}: accessors[{accessor}] is not of the type of its attribute"
