@@ -1,9 +1,12 @@
 //! Where the picture is taken from.
 
 use glam::Vec3;
-use shadowmap_core::{View, Window};
+use raster::{DepthBuffer, Payload};
+use shadowmap_core::{Level, Mesh, Threads, View, Window};
 
 use crate::Error;
+use crate::drawing::Drawing;
+use crate::prepared::Prepared;
 use crate::scene::{Bounds, CameraProjection, Scene, SceneCamera};
 
 /// What replaces parts of a scene's own camera.
@@ -25,7 +28,7 @@ pub struct CameraOptions {
 pub fn choose(scene: &Scene, options: &CameraOptions) -> Result<SceneCamera, Error> {
     let mut camera = match scene.camera {
         Some(camera) => camera,
-        None => fitted(scene.bounds(), options.vertical_fov),
+        None => fitted(scene, options.vertical_fov),
     };
     if let Some(target) = options.target {
         camera.target = target;
@@ -47,19 +50,41 @@ pub fn choose(scene: &Scene, options: &CameraOptions) -> Result<SceneCamera, Err
     Ok(camera)
 }
 
-/// A camera in front of and above the scene, as far away as it takes to see all of it.
-fn fitted(bounds: Option<Bounds>, vertical_fov: Option<f32>) -> SceneCamera {
+/// A camera that has the whole scene in sight from above: from its front, or from another side if
+/// clearly more objects are seen from there, as in a room that is open to one side.
+fn fitted(scene: &Scene, vertical_fov: Option<f32>) -> SceneCamera {
     let vertical_fov = vertical_fov.unwrap_or_else(|| 40f64.to_radians() as f32);
-    let bounds = bounds.unwrap_or(Bounds { min: Vec3::splat(-1.0), max: Vec3::ONE });
+    let bounds = scene.bounds().unwrap_or(Bounds { min: Vec3::splat(-1.0), max: Vec3::ONE });
     let radius = (bounds.extent().length() * 0.5).max(1e-3);
     let distance = radius / libm::sin(f64::from(vertical_fov) * 0.5) as f32;
-    let from = Vec3::new(0.30, 0.42, 0.86);
-    SceneCamera {
-        eye: bounds.center() + from * distance,
+    let sides = [(0.30, 0.86), (-0.86, 0.30), (0.86, -0.30), (-0.30, -0.86)];
+    let looks = sides.map(|(x, z)| SceneCamera {
+        eye: bounds.center() + Vec3::new(x, 0.42, z) * distance,
         target: bounds.center(),
         up: Vec3::Y,
         projection: CameraProjection::Perspective { vertical_fov },
+    });
+    let prepared = Prepared::new(scene);
+    let seen = looks.map(|look| objects_in_sight(&prepared, &look));
+    let best = (1..looks.len()).max_by_key(|&side| seen[side]).unwrap_or(0);
+    looks[if 2 * seen[best] > 3 * seen[0] { best } else { 0 }]
+}
+
+/// How many objects a camera sees in a small picture.
+fn objects_in_sight(prepared: &Prepared<'_>, camera: &SceneCamera) -> usize {
+    let view = view(camera, [128, 128], prepared.bounds());
+    let mut mesh = prepared.scene().mesh.as_mesh();
+    let mut front_faces = Vec::new();
+    if let Some(triangles) = prepared.front_faces(&view, &mut front_faces) {
+        mesh = Mesh { triangles, ..mesh };
     }
+    let mut map = [DepthBuffer::new(0, 0)];
+    let mut drawing = Drawing::new(Level::detect(), Threads::One);
+    drawing.draw(prepared, &mesh, &[view], Payload::ObjectId, &mut map);
+    let mut ids = std::mem::take(&mut map[0].payload);
+    ids.sort_unstable();
+    ids.dedup();
+    ids.len()
 }
 
 /// The view of a camera onto `width * height` pixels. `bounds` are the scene's: they say how near

@@ -7,6 +7,7 @@ pub mod camera;
 pub mod cli;
 #[cfg(feature = "program")]
 pub mod compare;
+pub mod default_light;
 mod drawing;
 pub mod emitters;
 mod error;

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use linear_light::SampleViews;
 use shadowmap_core::{Light, View, Window};
 
-use crate::scene::{Bounds, SceneLight, SpotCone};
+use crate::scene::SpotCone;
 
 /// The widest tangent of a single fitted perspective window, 66 degrees to either side. Beyond it,
 /// several faces around the light spend their texels better.
@@ -199,24 +199,4 @@ fn fit_sun(direction: Vec3, size: u32, points: impl Iterator<Item = DVec3> + Clo
     let depths = [(near - spare) as f32, (far + spare) as f32];
     let window = square(extents, size);
     View::orthographic_window(eye.as_vec3(), axes, window, size, size, depths)
-}
-
-/// Lights for a scene that has none, to choose from: a sphere above it, to the right and in front,
-/// and a linear light at the same place.
-#[must_use]
-pub fn fitted_lights(bounds: Option<Bounds>) -> Vec<SceneLight> {
-    let bounds = bounds.unwrap_or(Bounds { min: Vec3::splat(-1.0), max: Vec3::ONE });
-    let unit = (bounds.extent().max_element() * 0.25).max(1e-3);
-    let center = bounds.center().with_y(bounds.min.y) + Vec3::new(2.0, 8.0, 3.0) * unit;
-    let light = |name: &str, light| SceneLight {
-        name: name.to_owned(),
-        light,
-        color: Vec3::ONE,
-        intensity: 1.0,
-        spot: None,
-    };
-    vec![
-        light("sphere", Light::Sphere { center, radius: 0.5 * unit }),
-        light("tube", Light::Linear { a: center - Vec3::X * unit, b: center + Vec3::X * unit }),
-    ]
 }

@@ -128,6 +128,25 @@ impl<'a> Prepared<'a> {
         color
     }
 
+    /// Moves each position into the plane of its triangle, given by index + 1, as closely as single
+    /// precision allows: rays start at a fixed distance from it, also in scenes of hundreds of
+    /// metres, where a position derived from depth can be farther off than that.
+    ///
+    /// # Panics
+    ///
+    /// If there is not one triangle per position.
+    pub fn snap_to_planes(&self, triangles: &[u32], positions: &mut [Vec3]) {
+        assert_eq!(triangles.len(), positions.len(), "one triangle per position");
+        for (&index, position) in triangles.iter().zip(positions) {
+            let triangle = self.scene.mesh.triangles.get((index as usize).wrapping_sub(1));
+            let Some([a, b, c]) = triangle.and_then(|&t| corners(self.scene, t)) else { continue };
+            let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let p = position.as_dvec3();
+            *position = (p - normal * normal.dot(p - a)).as_vec3();
+        }
+    }
+
     /// Writes to `triangles` those that `camera` sees from a side that their material shows. The
     /// others keep their place and get indices that no vertex has. `None` if all are shown anyway.
     pub fn front_faces<'t>(

@@ -10,8 +10,8 @@ use reference::{Cutouts, Tracer};
 use shadowmap_core::Threads;
 
 use crate::camera::{choose, view};
+use crate::default_light::default_lights;
 use crate::frame::{Frame, Shot};
-use crate::light_views::fitted_lights;
 use crate::lighting::LightJob;
 use crate::load::{Limits, load};
 use crate::method::Method;
@@ -43,13 +43,17 @@ fn render_on(settings: &Settings, threads: Threads) -> Result<(), Error> {
     let progress = Progress::new(settings.repeat);
     progress.say("loading");
     let start = Instant::now();
-    let (scene, alternatives) = open(settings)?;
+    let (mut scene, mut alternatives) = open(settings)?;
+    let camera = choose(&scene, &settings.camera)?;
+    if scene.lights.is_empty() && settings.lights.is_empty() {
+        scene.lights = default_lights(&scene, &camera);
+        alternatives = true;
+    }
     for warning in &scene.warnings {
         progress.warn(&format!("{}: {warning}", settings.scene));
     }
     let prepared = Prepared::new(&scene);
     let lights = chosen_lights(settings, &scene, alternatives);
-    let camera = choose(&scene, &settings.camera)?;
     check_memory(settings, &lights)?;
     let jobs = lights.iter().map(|light| LightJob::new(light, &settings.light_options, &prepared));
     let jobs = jobs.collect::<Result<Vec<_>, _>>()?;
@@ -108,10 +112,6 @@ fn open(settings: &Settings) -> Result<(Scene, bool), Error> {
     }
     if settings.fit {
         builtin::set_up_fitted(&mut scene);
-        alternatives = true;
-    }
-    if scene.lights.is_empty() {
-        scene.lights = fitted_lights(scene.bounds());
         alternatives = true;
     }
     Ok((scene, alternatives))

@@ -352,6 +352,7 @@ impl ShadowStage {
         let (threads, samples) = (self.threads, Samples::Fixed(light.samples));
         timed(&mut log.times.shadow, || {
             receivers::world(&scene.camera, threads, positions, normals);
+            scene.prepared.snap_to_planes(scene.camera.map().ids(), positions);
             tracer.visibility(&light.light.light, positions, normals, samples, threads, out);
         });
         let seen = normals.iter().filter(|normal| **normal != Vec3::ZERO).count() as u64;
