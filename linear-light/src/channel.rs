@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use shadowmap_core::{BandSlice, DepthMap, for_each_band};
 
 use crate::discontinuity::{Rows, Side};
+use crate::skin_polygons::PolygonScratch;
 use crate::skin_spans::SpanRow;
 use crate::{SampleViews, SkinOptions};
 
@@ -29,19 +30,14 @@ pub struct VisibilityChannels {
     pub(crate) seen: Vec<f32>,
     /// The nearness that moves a skin's edge by one texel.
     pub(crate) texel_in_nearness: f32,
+    pub(crate) polygons: PolygonScratch,
 }
 
 impl VisibilityChannels {
     /// Without maps yet.
     #[must_use]
-    pub const fn new() -> VisibilityChannels {
-        VisibilityChannels {
-            width: 0,
-            height: 0,
-            segments: 0,
-            seen: Vec::new(),
-            texel_in_nearness: 0.0,
-        }
+    pub fn new() -> VisibilityChannels {
+        VisibilityChannels::default()
     }
 
     /// Makes the channels of rectified maps, one map per view.
@@ -111,6 +107,10 @@ impl VisibilityChannels {
     #[inline]
     pub(crate) fn row(&self, segment: usize, end: usize, y: usize) -> &[f32] {
         &self.seen[((y * self.segments + segment) * 2 + end) * self.width..][..self.width]
+    }
+
+    pub(crate) fn row_mut(&mut self, segment: usize, end: usize, y: usize) -> &mut [f32] {
+        &mut self.seen[((y * self.segments + segment) * 2 + end) * self.width..][..self.width]
     }
 
     /// Writes the visibility channel V_k of section 3.2, row-major: under a skin the fraction of a

@@ -9,10 +9,12 @@ extern crate std;
 
 mod channel;
 mod counters;
+mod crossings;
 mod discontinuity;
 mod intervals;
 mod shading;
 mod silhouette;
+mod skin_polygons;
 mod skin_spans;
 mod skins;
 mod views;

@@ -69,4 +69,17 @@ impl Warp {
         let seen = Vec3::new(u / q, v / q, n / q);
         (q > 0.0 && seen.is_finite()).then_some(seen)
     }
+
+    /// How many texels of the light's map the camera's point (x, y, n) moves by per unit of its
+    /// nearness: the disparity of section 3.2 of Heidrich, Brabec and Seidel 2000. Not finite
+    /// behind the light.
+    #[must_use]
+    pub fn disparity(&self, x: f32, y: f32, n: f32) -> f32 {
+        let [u, v, _, q] = self.rows;
+        let at = |r: [f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
+        let depth = at(q);
+        let du = (u[2] - at(u) / depth * q[2]) / depth;
+        let dv = (v[2] - at(v) / depth * q[2]) / depth;
+        if depth > 0.0 { Vec2::new(du, dv).length() } else { f32::NAN }
+    }
 }
