@@ -12,6 +12,8 @@ mod counters;
 mod crossings;
 mod discontinuity;
 mod intervals;
+#[cfg(test)]
+mod naive;
 mod shading;
 mod silhouette;
 mod skin_polygons;
