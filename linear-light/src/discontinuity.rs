@@ -108,25 +108,9 @@ pub(crate) fn laplacian(above: [f32; 3], middle: [f32; 3], below: [f32; 3]) -> f
 /// How many pairs are looked at in one go.
 pub(crate) const BLOCK: usize = 64;
 
-/// What `row` holds around the pairs (x, x + 1) for `BLOCK` values of x from `first` on: from
-/// first - 1 to first + BLOCK + 1, continued beyond the border by its last texels.
-#[inline(always)]
-fn window<'a>(
-    row: &'a [f32],
-    first: usize,
-    edge: &'a mut [f32; BLOCK + 3],
-) -> &'a [f32; BLOCK + 3] {
-    let whole = first.checked_sub(1).and_then(|start| row.get(start..)?.first_chunk());
-    whole.unwrap_or_else(|| {
-        for (i, texel) in edge.iter_mut().enumerate() {
-            *texel = row[(first + i).saturating_sub(1).min(row.len() - 1)];
-        }
-        edge
-    })
-}
-
-/// Sets `marks[i]` to 1 where there is a discontinuity between columns `first + i` and
-/// `first + i + 1`, to 0 elsewhere. `least` is the threshold in nearness.
+/// Which of the pairs (x, x + 1) of a row, for `BLOCK` values of x from `first` on, are
+/// discontinuities: a byte each, 1 or 0, in words of eight. `None` if none is. `least` is the
+/// threshold in nearness.
 #[inline(always)]
 pub(crate) fn mark(
     rows: &Rows<'_>,
@@ -134,29 +118,44 @@ pub(crate) fn mark(
     side: Side,
     least: f32,
     first: usize,
-    marks: &mut [u8; BLOCK],
-) {
-    let mut edges = [[0.0; BLOCK + 3]; 3];
-    let [edge, edge_above, edge_below] = &mut edges;
-    let n = window(rows.middle, first, edge);
+) -> Option<[u64; BLOCK / 8]> {
+    let pairs = (rows.middle.len() - 1).saturating_sub(first).min(BLOCK);
+    let sign = side.sign();
+    // Most blocks have no step that is high enough.
+    let steps = rows.middle[first..first + pairs].iter().zip(&rows.middle[first + 1..]);
+    let any = steps.fold(0, |any, (b, c)| any | u32::from((b - c) * sign >= least));
+    if any == 0 {
+        return None;
+    }
+    let mut marks = [0_u64; BLOCK / 8];
+    let bytes: &mut [u8; BLOCK] = bytemuck::cast_mut(&mut marks);
+    let n = around(rows.middle, first);
     match filter {
         EdgeFilter::DepthStep => {
-            for (i, mark) in marks.iter_mut().enumerate() {
+            for (i, mark) in bytes.iter_mut().enumerate() {
                 *mark = u8::from(depth_step([n[i], n[i + 1], n[i + 2], n[i + 3]], side, least));
             }
         }
         EdgeFilter::Laplacian => {
-            let above = window(rows.above, first, edge_above);
-            let below = window(rows.below, first, edge_below);
+            let (above, below) = (around(rows.above, first), around(rows.below, first));
             let three = |r: &[f32; BLOCK + 3], i: usize| [r[i], r[i + 1], r[i + 2]];
-            let response = |i: usize| laplacian(three(above, i), three(n, i), three(below, i));
-            for (i, mark) in marks.iter_mut().enumerate() {
+            let response = |i: usize| laplacian(three(&above, i), three(&n, i), three(&below, i));
+            for (i, mark) in bytes.iter_mut().enumerate() {
                 let responses = [response(i), response(i + 1)];
                 *mark = u8::from(zero_crossing([n[i + 1], n[i + 2]], responses, side, least));
             }
         }
     }
-    // Pairs that reach past the border.
-    let pairs = (rows.middle.len() - 1).saturating_sub(first).min(BLOCK);
-    marks[pairs..].fill(0);
+    // Pairs that reach past the row.
+    bytes[pairs..].fill(0);
+    Some(marks.map(u64::from_le))
+}
+
+/// What `row` holds around the pairs (x, x + 1) for `BLOCK` values of x from `first` on: the texels
+/// from first - 1 to first + BLOCK + 1, those of the border beyond it.
+#[inline(always)]
+fn around(row: &[f32], first: usize) -> [f32; BLOCK + 3] {
+    let whole = first.checked_sub(1).and_then(|start| row.get(start..)?.first_chunk());
+    let at_border = |i: usize| row[(first + i).saturating_sub(1).min(row.len() - 1)];
+    whole.copied().unwrap_or_else(|| core::array::from_fn(at_border))
 }

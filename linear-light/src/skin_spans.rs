@@ -72,24 +72,23 @@ impl SpanRow<'_> {
     fn draw_kernel(&self, out: &mut [f32]) {
         out.fill(1.0);
         let least = self.discontinuity.threshold / self.disparity;
-        let mut marks = [0; BLOCK];
         let blocks = out.len().saturating_sub(1).div_ceil(BLOCK);
         for block in 0..blocks {
             // From the farthest skin to the nearest.
-            let first = BLOCK
-                * match self.side {
-                    Side::Left => block,
-                    Side::Right => blocks - 1 - block,
-                };
-            mark(&self.from, self.discontinuity.filter, self.side, least, first, &mut marks);
-            let mut bits = bits_of(&marks);
-            while bits != 0 {
-                let next = match self.side {
-                    Side::Left => bits.trailing_zeros(),
-                    Side::Right => 63 - bits.leading_zeros(),
-                };
-                bits &= !(1 << next);
-                self.draw_skin(first + next as usize, out);
+            let first = BLOCK * in_order(self.side, block, blocks);
+            let found = mark(&self.from, self.discontinuity.filter, self.side, least, first);
+            let Some(marks) = found else { continue };
+            for word in 0..marks.len() {
+                let word = in_order(self.side, word, marks.len());
+                let mut marks = marks[word];
+                while marks != 0 {
+                    let byte = match self.side {
+                        Side::Left => marks.trailing_zeros() / 8,
+                        Side::Right => 7 - marks.leading_zeros() / 8,
+                    };
+                    marks &= !(1 << (byte * 8));
+                    self.draw_skin(first + word * 8 + byte as usize, out);
+                }
             }
         }
     }
@@ -149,14 +148,11 @@ fn unit(t: f32) -> f32 {
     if t < 1.0 { t } else { 1.0 }
 }
 
-/// One bit per mark, the first the lowest.
+/// The `index`-th of `len` things from the farthest skin to the nearest.
 #[inline(always)]
-fn bits_of(marks: &[u8; BLOCK]) -> u64 {
-    let mut bits = 0;
-    for (i, eight) in marks.as_chunks::<8>().0.iter().enumerate() {
-        // Gathers the lowest bits of eight bytes in the topmost byte.
-        let gathered = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        bits |= gathered << (8 * i);
+fn in_order(side: Side, index: usize, len: usize) -> usize {
+    match side {
+        Side::Left => index,
+        Side::Right => len - 1 - index,
     }
-    bits
 }
