@@ -12,6 +12,7 @@ mod counters;
 mod crossings;
 mod discontinuity;
 mod intervals;
+mod lookup;
 #[cfg(test)]
 mod naive;
 mod shading;

@@ -1,15 +1,17 @@
 //! Shading with visibility channels (section 3).
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use shadowmap_core::{
-    BandSlice, Bias, Camera, DepthMap, LightPoint, Plane, Threads, View, for_each_band,
+    BandSlice, Bias, Camera, DepthMap, LightPoint, Plane, Surfaces, Threads, View, Warp,
+    for_each_band,
 };
 
 use crate::counters::Tally;
+use crate::lookup::{Sample, between};
 use crate::{Counters, SampleViews, VisibilityChannels};
 
-/// An edge that keeps to its row for this many texels either way lies along the light.
-const STRAIGHT: usize = 16;
+/// The most frusta of one light.
+const MAX_FRUSTA: usize = 4;
 
 /// What receivers are shaded with: the maps of all samples of one frustum, and the visibility
 /// channels made of them.
@@ -98,7 +100,9 @@ impl<'a> SkinShadow<'a> {
     /// which is the sum of V_k.
     pub fn light(&self, position: Vec3, normal: Vec3, add: impl FnMut(usize, f32)) -> f32 {
         let plane = Plane([normal.x, normal.y, normal.z, -normal.dot(position)]);
-        self.look_up(position, &plane, 1.0, add).visibility
+        let surface = self.surface(plane, 1.0);
+        let seen = self.views()[0].texel_from_world(position);
+        self.look_up(&surface, position, seen, add).visibility
     }
 
     /// Where on the light sample `k` is.
@@ -112,40 +116,109 @@ impl<'a> SkinShadow<'a> {
         Vec3::new(x, y, z)
     }
 
-    /// A receiver on `plane`, of which the positive side is looked at if `side` is positive.
-    #[inline]
+    /// What all receivers on `plane` share, of which the positive side is looked at if `side` is
+    /// positive.
+    fn surface(&self, plane: Plane, side: f32) -> Surface {
+        let views = self.views();
+        let first = plane.side_of(views[0].eye()) * side;
+        let last = plane.side_of(views[views.len() - 1].eye()) * side;
+        let above = match (first < 0.0, last < 0.0) {
+            (true, true) => None,
+            (true, false) => Some([first / (first - last), 1.0]),
+            (false, true) => Some([0.0, first / (first - last)]),
+            (false, false) => Some([0.0, 1.0]),
+        };
+        Surface { plane, slope: plane.slope_in(&views[0]), above }
+    }
+
+    /// What the frustum says of a receiver at `position`, which the first sample sees at `seen`.
+    #[inline(always)]
     fn look_up(
         &self,
+        surface: &Surface,
         position: Vec3,
-        plane: &Plane,
-        side: f32,
+        seen: Option<Vec3>,
         mut add: impl FnMut(usize, f32),
     ) -> LookUp {
-        let segments = self.maps.len() - 1;
-        let Some(above) = self.above_horizon(plane, side) else {
+        let Some(above) = surface.above else {
             return LookUp { visibility: 0.0, outside: false };
         };
-        let receiver = self.receiver(position, plane);
+        let slope = surface.slope;
+        let point = seen.map(|p| LightPoint { u: p.x, v: p.y, nearness: p.z, slope });
+        let receiver = Receiver { point, position, plane: &surface.plane, above };
+        // Most receivers are seen by all samples, or by none.
+        let (mut all, mut any, mut outside) = (true, false, false);
+        for k in 0..self.maps.len() {
+            let (sample, lit) = self.test(&receiver, k);
+            outside |= sample.is_none();
+            all &= lit[0] & lit[1];
+            any |= lit[0] | lit[1];
+        }
+        let visibility = if all && above == [0.0, 1.0] {
+            let segments = self.maps.len() - 1;
+            for k in 0..=segments {
+                let share = if k == 0 || k == segments { 0.5 } else { 1.0 };
+                add(k, share / segments as f32);
+            }
+            1.0
+        } else if any {
+            self.sum(&receiver, &mut add)
+        } else {
+            0.0
+        };
+        LookUp { visibility, outside }
+    }
+
+    /// The receiver in the map of sample `k`, `None` outside it, and whether the sample sees it, by
+    /// the texels of either row next to it.
+    #[inline(always)]
+    fn test(&self, receiver: &Receiver<'_>, k: usize) -> (Option<Sample>, [bool; 2]) {
+        let map = &self.maps[k];
+        match self.samples {
+            Samples::Rectified(views) => {
+                let shift = views.disparity() * k as f32;
+                let sample = receiver.point.and_then(|p| Sample::new(&p, shift, self.bias, map));
+                (sample, sample.map_or([true; 2], |sample| sample.lit(map)))
+            }
+            Samples::Unrelated(views) => {
+                let point = views[k].texel_from_world(receiver.position).map(|seen| {
+                    let slope = receiver.plane.slope_in(&views[k]);
+                    LightPoint { u: seen.x, v: seen.y, nearness: seen.z, slope }
+                });
+                let sample = point.and_then(|p| Sample::new(&p, 0.0, self.bias, map));
+                // Rows of unrelated maps have nothing in common.
+                (sample, sample.map_or([true; 2], |s| [s.lit(map)[s.nearest_row()]; 2]))
+            }
+        }
+    }
+
+    /// The light that a receiver sees, segment by segment; `add` gets what falls to each sample.
+    #[inline(never)]
+    fn sum(&self, receiver: &Receiver<'_>, add: &mut impl FnMut(usize, f32)) -> f32 {
+        let segments = self.maps.len() - 1;
         let per_segment = 1.0 / segments as f32;
-        let mut near = self.test(&receiver, 0);
-        let mut outside = near.is_none();
+        let weights = match (self.samples, receiver.point) {
+            (Samples::Rectified(_), Some(point)) => weights_at(point.v),
+            _ => [1.0, 0.0],
+        };
         let (mut visibility, mut carried) = (0.0, 0.0);
+        let (mut near, mut near_lit) = self.test(receiver, 0);
         for segment in 0..segments {
-            let far = self.test(&receiver, segment + 1);
-            outside |= far.is_none();
+            let (far, far_lit) = self.test(receiver, segment + 1);
             // The part of the segment above the horizon, in its own parameter.
-            let part = above.map(|t| (t * segments as f32 - segment as f32).clamp(0.0, 1.0));
+            let above =
+                receiver.above.map(|t| (t * segments as f32 - segment as f32).clamp(0.0, 1.0));
             let mut shares = [0.0, 0.0];
-            for (row, weight) in receiver.weights.into_iter().enumerate() {
-                let lit = [&near, &far].map(|s| s.as_ref().is_none_or(|s| s.lit[row]));
-                // Up to the nearest blocker from the end that is lit.
+            for (row, weight) in weights.into_iter().enumerate() {
+                let lit = [near_lit[row], far_lit[row]];
+                // From an end that is lit up to the nearest blocker.
                 let seen = match (lit, &near, &far) {
                     ([true, false], Some(near), _) => [0.0, self.seen(segment, 0, near, row)],
                     ([false, true], _, Some(far)) => [1.0 - self.seen(segment, 1, far, row), 1.0],
-                    ([false, false], _, _) => [0.0, 0.0],
+                    ([false, false], _, _) => continue,
                     _ => [0.0, 1.0],
                 };
-                let length = (seen[1].min(part[1]) - seen[0].max(part[0])).max(0.0) * weight;
+                let length = (seen[1].min(above[1]) - seen[0].max(above[0])).max(0.0) * weight;
                 if lit == [true, true] {
                     shares = shares.map(|share| share + 0.5 * length);
                 } else {
@@ -158,150 +231,89 @@ impl<'a> SkinShadow<'a> {
             }
             visibility += v;
             carried = shares[1];
-            near = far;
+            (near, near_lit) = (far, far_lit);
         }
         let v = carried * per_segment;
         if v > 0.0 {
             add(segments, v);
         }
-        LookUp { visibility: visibility + v, outside }
+        visibility + v
     }
 
-    /// The parameters between which the light is above the receiver's horizon; `None` if nothing
-    /// of it is.
-    fn above_horizon(&self, plane: &Plane, side: f32) -> Option<[f32; 2]> {
-        let views = self.views();
-        let first = plane.side_of(views[0].eye()) * side;
-        let last = plane.side_of(views[views.len() - 1].eye()) * side;
-        match (first < 0.0, last < 0.0) {
-            (true, true) => None,
-            (true, false) => Some([first / (first - last), 1.0]),
-            (false, true) => Some([0.0, first / (first - last)]),
-            (false, false) => Some([0.0, 1.0]),
-        }
-    }
-
-    fn receiver<'r>(&self, position: Vec3, plane: &'r Plane) -> Receiver<'r> {
-        let Samples::Rectified(views) = self.samples else {
-            return Receiver { position, plane, first: None, weights: [1.0, 0.0] };
-        };
-        let first = point_in(&views.views()[0], position, plane);
-        // How far down the receiver lies from the centre of one row to that of the next.
-        let below = first.map_or(0.0, |p| (p.v + 0.5) - (p.v + 0.5) as u32 as f32);
-        Receiver { position, plane, first, weights: [1.0 - below, below] }
-    }
-
-    /// Whether sample `k` sees the receiver; `None` outside its map.
-    #[inline(always)]
-    fn test(&self, receiver: &Receiver<'_>, k: usize) -> Option<Sample> {
-        let point = match self.samples {
-            Samples::Rectified(views) => views.in_sample(&receiver.first?, k),
-            Samples::Unrelated(views) => point_in(&views[k], receiver.position, receiver.plane)?,
-        };
-        let map = &self.maps[k];
-        let (width, height) = (map.width() as usize, map.height() as usize);
-        // Written so that NaN falls outside.
-        let inside =
-            point.u >= 0.0 && point.v >= 0.0 && point.u < width as f32 && point.v < height as f32;
-        if !inside {
-            return None;
-        }
-        let x = point.u as usize;
-        let rows = match self.samples {
-            Samples::Rectified(_) => rows_around(point.v, height),
-            Samples::Unrelated(_) => [point.v as usize; 2],
-        };
-        let offset = self.bias.offset(&point);
-        let lit_at = |x: usize| {
-            rows.map(|y| {
-                let limit = point.plane_at(x as f32 + 0.5, y as f32 + 0.5) + offset;
-                let blocked = map.nearness()[y * width + x] > limit;
-                !blocked
-            })
-        };
-        let mut lit = lit_at(x);
-        if lit[0] != lit[1] {
-            // An edge along the light: hard, wherever between the rows it is.
-            let goes_on = |x: Option<usize>| x.is_some_and(|x| x < width && lit_at(x) == lit);
-            if goes_on(x.checked_sub(STRAIGHT)) && goes_on(x.checked_add(STRAIGHT)) {
-                lit = [lit[usize::from(receiver.weights[1] > 0.5)]; 2];
-            }
-        }
-        Some(Sample { point, offset, rows, lit })
-    }
-
-    /// How much of a segment is seen from the sample at its first (`end` 0) or last (1) end:
-    /// between the texels around the receiver, as far as they show its surface.
+    /// How much of a segment is seen from the sample at its first (`end` 0) or last (1) end.
     fn seen(&self, segment: usize, end: usize, sample: &Sample, row: usize) -> f32 {
-        let Sample { point, offset, rows, .. } = sample;
         let map = &self.maps[segment + end];
-        let (width, height) = (map.width() as usize, map.height() as usize);
-        // Where the map is off by this much, the skin is so by a texel.
-        let tolerance = offset.max(self.channels.texel_in_nearness);
-        let columns = rows_around(point.u, width);
-        let right = (point.u + 0.5) - (point.u + 0.5) as u32 as f32;
-        let (mut sum, mut weights) = (0.0, 0.0);
-        let mut tap = |x: usize, y: usize, weight: f32| {
-            let distance =
-                map.nearness()[y * width + x] - point.plane_at(x as f32 + 0.5, y as f32 + 0.5);
-            if distance.abs() <= tolerance {
-                sum += weight * self.channels.row(segment, end, y)[x];
-                weights += weight;
-            }
-        };
-        let mut taps = |y: usize, weight: f32| {
-            tap(columns[0], y, (1.0 - right) * weight);
-            tap(columns[1], y, right * weight);
-        };
+        let channel = |y: usize| self.channels.row(segment, end, y);
+        let texel = self.channels.texel_in_nearness;
         match self.samples {
-            Samples::Rectified(_) => taps(rows[row], 1.0),
+            Samples::Rectified(_) => sample.seen(map, &[(row, 1.0)], texel, channel),
             Samples::Unrelated(_) => {
-                let below = (point.v + 0.5) - (point.v + 0.5) as u32 as f32;
-                let rows = rows_around(point.v, height);
-                taps(rows[0], 1.0 - below);
-                taps(rows[1], below);
+                let [above, below] = weights_at(sample.v());
+                let nearest = sample.nearest_row();
+                let rows = [
+                    (nearest, [above, below][nearest]),
+                    (1 - nearest, [above, below][1 - nearest]),
+                ];
+                sample.seen(map, &rows, texel, channel)
             }
-        }
-        if weights > 0.0 {
-            sum / weights
-        } else {
-            self.channels.row(segment, end, rows[row])[point.u as usize]
         }
     }
 }
 
 /// Writes the visibility of a light from every pixel of the camera, row-major. `frusta` are those
-/// of one light (one, or all of a [`crate::RectifiedLight`]). Pixels that see nothing get 0, and so
-/// do surfaces that turn away from the whole light.
+/// of one light, at most four. Pixels that see nothing get 0, and so do surfaces that turn away
+/// from the whole light.
 ///
 /// Every number of threads gives the same bits.
 ///
 /// # Panics
 ///
-/// If there is no frustum, or `out` has another length than the camera has pixels.
+/// If there is no frustum or more than four, or `out` has another length than the camera has pixels.
 pub fn visibility(
     camera: &Camera<'_>,
     frusta: &[SkinShadow<'_>],
     threads: Threads,
     out: &mut [f32],
 ) -> Counters {
-    assert!(!frusta.is_empty(), "a light has a frustum");
+    assert!((1..=MAX_FRUSTA).contains(&frusta.len()), "a light has one to four frusta");
     assert_eq!(out.len(), camera.map().nearness().len(), "one visibility per pixel");
     let width = camera.map().width() as usize;
+    let mut warps = [Warp::new(camera.view(), &frusta[0].views()[0]); MAX_FRUSTA];
+    for (warp, shadow) in warps.iter_mut().zip(frusta) {
+        *warp = Warp::new(camera.view(), &shadow.views()[0]);
+    }
+    // Entries of a table are flat: neighbouring pixels with the same one share a plane.
+    let flat = matches!(camera.surfaces(), Surfaces::Table(_));
+    // The world is needed to choose a frustum, and by views that have nothing in common.
+    let in_world = frusta.len() > 1 || matches!(frusta[0].samples, Samples::Unrelated(_));
     let tally = Tally::default();
     for_each_band(threads, BandSlice { data: out, len: width.max(1) }, &|y, row| {
         let mut counters = Counters::default();
-        let nearness = &camera.map().nearness()[y * width..];
-        for (x, (out, &n)) in row.data.iter_mut().zip(nearness).enumerate() {
+        let pixels = y * width..(y + 1) * width;
+        let ids = camera.map().ids().get(pixels.clone()).unwrap_or_default();
+        let mut run: Option<Run> = None;
+        for (x, (out, &n)) in row.data.iter_mut().zip(&camera.map().nearness()[pixels]).enumerate()
+        {
             *out = 0.0;
             // Not where the camera sees nothing, nor at a NaN.
             if n > 0.0 {
-                let position = camera.view().world_from_texel(x as f32 + 0.5, y as f32 + 0.5, n);
-                let (_, plane) = camera.plane(x as u32, y as u32, n);
-                let side = plane.side_of(camera.view().eye());
-                let shadow = &frusta[frustum_of(frusta, position)];
-                let found = shadow.look_up(position, &plane, side, |_, _| {});
                 counters.receivers += 1;
+                let (u, v) = (x as f32 + 0.5, y as f32 + 0.5);
+                let position =
+                    if in_world { camera.view().world_from_texel(u, v, n) } else { Vec3::ZERO };
+                let frustum = frustum_of(frusta, position);
+                let id = ids.get(x).copied().filter(|_| flat);
+                let run = match &mut run {
+                    Some(run) if id.is_some() && run.id == id && run.frustum == frustum => run,
+                    other => {
+                        let plane = camera.plane(x as u32, y as u32, n).1;
+                        let side = plane.side_of(camera.view().eye());
+                        let surface = frusta[frustum].surface(plane, side);
+                        other.insert(Run { id, frustum, surface })
+                    }
+                };
+                let seen = warps[frustum].at(u, v, n);
+                let found = frusta[frustum].look_up(&run.surface, position, seen, |_, _| {});
                 counters.outside += u32::from(found.outside);
                 *out = found.visibility;
             }
@@ -312,19 +324,51 @@ pub fn visibility(
 }
 
 /// The frustum that a receiver belongs to: see [`crate::RectifiedLight::frustum_of`].
+#[inline(always)]
 fn frustum_of(frusta: &[SkinShadow<'_>], position: Vec3) -> usize {
-    let depth =
-        |shadow: &SkinShadow<'_>| shadow.views()[0].axes()[2].dot(position - shadow.position(0));
+    if frusta.len() == 1 {
+        return 0;
+    }
     let mut best = (0, f32::NEG_INFINITY);
-    if frusta.len() > 1 {
-        for (index, shadow) in frusta.iter().enumerate() {
-            let depth = depth(shadow);
-            if depth > best.1 {
-                best = (index, depth);
-            }
+    for (index, shadow) in frusta.iter().enumerate() {
+        let depth = shadow.views()[0].axes()[2].dot(position - shadow.position(0));
+        if depth > best.1 {
+            best = (index, depth);
         }
     }
     best.0
+}
+
+/// What the rows of texels above and below a coordinate count for.
+#[inline(always)]
+fn weights_at(v: f32) -> [f32; 2] {
+    let below = between(v);
+    [1.0 - below, below]
+}
+
+/// Neighbouring pixels of one surface in one frustum.
+struct Run {
+    id: Option<u32>,
+    frustum: usize,
+    surface: Surface,
+}
+
+/// What the receivers on one plane share.
+struct Surface {
+    plane: Plane,
+    /// Of the plane in the first sample's map.
+    slope: Vec2,
+    /// The parameters between which the light is above the plane; `None` if nothing of it is.
+    above: Option<[f32; 2]>,
+}
+
+/// A receiver, before any sample.
+struct Receiver<'a> {
+    /// Where the first sample has it; `None` behind the light.
+    point: Option<LightPoint>,
+    position: Vec3,
+    plane: &'a Plane,
+    above: [f32; 2],
 }
 
 /// What one frustum says of a receiver.
@@ -332,38 +376,4 @@ struct LookUp {
     visibility: f32,
     /// Whether a sample has the receiver outside its map.
     outside: bool,
-}
-
-/// A receiver, before any sample.
-struct Receiver<'a> {
-    position: Vec3,
-    plane: &'a Plane,
-    /// Where the first of rectified samples has it; `None` behind the light.
-    first: Option<LightPoint>,
-    /// What the two rows of texels next to the receiver count for.
-    weights: [f32; 2],
-}
-
-/// A receiver in one sample's map.
-struct Sample {
-    point: LightPoint,
-    offset: f32,
-    rows: [usize; 2],
-    /// By the texel that the receiver falls on in either row.
-    lit: [bool; 2],
-}
-
-/// The two texels next to a coordinate, by their centres, within `len` texels.
-#[inline(always)]
-fn rows_around(at: f32, len: usize) -> [usize; 2] {
-    let after = (at + 0.5) as usize;
-    [after.saturating_sub(1), after.min(len - 1)]
-}
-
-/// The receiver at `position` on `plane` in a view's texel space; `None` behind the viewer.
-#[inline]
-fn point_in(view: &View, position: Vec3, plane: &Plane) -> Option<LightPoint> {
-    let seen = view.texel_from_world(position)?;
-    let slope = plane.slope_in(view);
-    Some(LightPoint { u: seen.x, v: seen.y, nearness: seen.z, slope })
 }
