@@ -3,6 +3,7 @@
 mod harness;
 mod machine;
 mod options;
+mod raster;
 mod report;
 
 pub use harness::{Bench, Group, Variant};
@@ -15,7 +16,7 @@ use options::Options;
 type Part = (&'static str, fn(&mut Bench));
 
 /// One part per stage, in the order of the data.
-const PARTS: &[Part] = &[];
+const PARTS: &[Part] = &[("raster", raster::run)];
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {

@@ -1,0 +1,178 @@
+//! The rasterizer: depth and ID maps of a full-screen quad, a torus and a sphere of a million
+//! triangles, against the plain version; three maps of a linear light in one pass; growth.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::Vec3;
+use raster::{DepthBuffer, Payload, Rasterizer, draw_plain};
+use renderer::scene::TriangleMesh;
+use shadowmap_core::{Level, Threads, View};
+
+use super::{Bench, Group, Variant};
+
+/// Nearness and ID of a texel.
+const BYTES_PER_TEXEL: f64 = 8.0;
+
+/// Runs the part.
+pub fn run(bench: &mut Bench) {
+    let levels_here: Vec<&str> = Level::available().map(|level| level.kind().name()).collect();
+    bench.note(format!(
+        "each level was checked against the plain version: {}",
+        levels_here.join(", ")
+    ));
+    let sizes: &[u32] = if bench.quick() { &[256, 1024] } else { &[256, 512, 1024, 2048] };
+    let torus = renderer::builtin::scene("torus").expect("torus is built in").mesh;
+    let sphere = sphere(1000, 500);
+    for (name, mesh, degrees) in [("quad", &quad(), 60.0), ("torus", &torus, 90.0)] {
+        for &size in sizes {
+            levels(bench, name, mesh, degrees, size);
+        }
+    }
+    for &size in sizes {
+        levels(bench, "sphere 1M", &sphere, 60.0, size);
+    }
+    linear_light(bench, &sphere);
+    growth(bench, &torus);
+}
+
+/// The light's view of a scene, as far to the side as a sample of a linear light stands.
+fn view(degrees: f32, size: u32, aside: f32) -> View {
+    let (eye, target) = (Vec3::new(1.5 + aside, 6.0, 1.5), Vec3::new(aside, 0.0, 0.0));
+    View::perspective(eye, target, Vec3::NEG_Z, degrees.to_radians(), size, size, 0.1)
+}
+
+/// The plain version, every level on one thread, and the best level on two.
+fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size: u32) {
+    let view = view(degrees, size, 0.0);
+    let mesh = mesh.as_mesh();
+    let mut expected = DepthBuffer::new(size, size);
+    draw_plain(&view, &mesh, None, Payload::ObjectId, expected.target());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    let mut plain = expected.clone();
+    let mut variants = vec![Variant::new("plain", || {
+        draw_plain(&view, &mesh, None, Payload::ObjectId, plain.target());
+    })];
+    let one_thread = Level::available().map(|level| (level, Threads::One));
+    for (level, threads) in one_thread.chain([(Level::detect(), Threads::Pool)]) {
+        let mut rasterizer = Rasterizer::new(level, threads);
+        let mut map = DepthBuffer::new(size, size);
+        let pool = &pool;
+        let mut draw = move |map: &mut DepthBuffer| {
+            match threads {
+                Threads::One => rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target()),
+                Threads::Pool => {
+                    pool.install(|| rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target()))
+                }
+            };
+        };
+        draw(&mut map);
+        let name = level.kind().name();
+        assert!(map == expected, "{name} differs from the plain version");
+        let label = if threads == Threads::One { "1 thread" } else { "2 threads" };
+        variants.push(Variant::new(format!("{name}, {label}"), move || draw(&mut map)));
+    }
+    let work = if name == "quad" {
+        (f64::from(size * size), "pixels")
+    } else {
+        (mesh.triangles.len() as f64, "triangles")
+    };
+    bench.compare(Group {
+        name: format!("{name} {size}"),
+        x: Some(f64::from(size)),
+        work: Some(work),
+        bytes: Some(BYTES_PER_TEXEL * f64::from(size) * f64::from(size)),
+        variants,
+    });
+}
+
+/// One map against three, the samples of a linear light, drawn in one pass over the mesh.
+fn linear_light(bench: &mut Bench, mesh: &TriangleMesh) {
+    let size = 1024;
+    let mesh = mesh.as_mesh();
+    let views = [-0.5, 0.0, 0.5].map(|aside| view(60.0, size, aside));
+    let mut one = DepthBuffer::new(size, size);
+    let [mut a, mut b, mut c] = [(); 3].map(|()| DepthBuffer::new(size, size));
+    let mut rasterizers = [(); 2].map(|()| Rasterizer::new(Level::detect(), Threads::One));
+    let [single, many] = &mut rasterizers;
+    bench.compare(Group {
+        name: "sphere 1M, maps of a linear light".to_owned(),
+        x: None,
+        work: Some((mesh.triangles.len() as f64, "triangles")),
+        bytes: None,
+        variants: vec![
+            Variant::new("1 map", || {
+                single.draw(&views[1], &mesh, Payload::ObjectId, one.target());
+            }),
+            Variant::new("3 maps", || {
+                let mut targets = [a.target(), b.target(), c.target()];
+                many.draw_many(&views, &mesh, Payload::ObjectId, &mut targets);
+            }),
+        ],
+    });
+}
+
+/// Time against triangles, and against texels.
+fn growth(bench: &mut Bench, torus: &TriangleMesh) {
+    let rings: &[u32] =
+        if bench.quick() { &[32, 256] } else { &[32, 64, 128, 256, 512, 1024, 2048] };
+    for &ring in rings {
+        let sphere = sphere(ring, ring / 2);
+        let triangles = f64::from(ring) * f64::from(ring);
+        draw(bench, format!("growth with triangles: {triangles}"), triangles, &sphere, 60.0, 1024);
+    }
+    for size in [256, 512, 1024, 2048, 4096] {
+        let texels = f64::from(size) * f64::from(size);
+        draw(bench, format!("growth with texels: {texels}"), texels, torus, 90.0, size);
+    }
+}
+
+/// One point of a growth curve.
+fn draw(bench: &mut Bench, name: String, x: f64, mesh: &TriangleMesh, degrees: f32, size: u32) {
+    let (view, mesh) = (view(degrees, size, 0.0), mesh.as_mesh());
+    let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
+    let mut map = DepthBuffer::new(size, size);
+    bench.compare(Group {
+        name,
+        x: Some(x),
+        work: Some((x, "elements")),
+        bytes: None,
+        variants: vec![Variant::new("1 thread", || {
+            rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target());
+        })],
+    });
+}
+
+/// A uv sphere of radius 2: `around` times `down` quads, poles on y.
+fn sphere(around: u32, down: u32) -> TriangleMesh {
+    let mut mesh = TriangleMesh::default();
+    for i in 0..around {
+        for j in 0..=down {
+            let (phi, theta) =
+                (TAU * f64::from(i) / f64::from(around), PI * f64::from(j) / f64::from(down));
+            let (sin_phi, cos_phi) = libm::sincos(phi);
+            let (sin_theta, cos_theta) = libm::sincos(theta);
+            let p = [sin_theta * cos_phi, cos_theta, sin_theta * sin_phi];
+            mesh.positions.push(Vec3::from_array(p.map(|x| (2.0 * x) as f32)));
+        }
+    }
+    for i in 0..around {
+        for j in 0..down {
+            let vertex = |i: u32, j: u32| (i % around) * (down + 1) + j;
+            let [a, b] = [vertex(i, j), vertex(i, j + 1)];
+            let [c, d] = [vertex(i + 1, j + 1), vertex(i + 1, j)];
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            mesh.ids.extend([1; 2]);
+        }
+    }
+    mesh
+}
+
+/// Two triangles that fill the map, slanted.
+fn quad() -> TriangleMesh {
+    let corners = [[-9.0, -1.0, -9.0], [9.0, -1.0, -9.0], [9.0, 0.5, 9.0], [-9.0, 0.5, 9.0]];
+    TriangleMesh {
+        positions: corners.map(Vec3::from_array).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ids: vec![1, 2],
+    }
+}
