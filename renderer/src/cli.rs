@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::mask::MaskArgs;
+
 /// Soft shadows on the CPU, from depth maps.
 #[derive(Debug, Parser)]
 #[command(name = "penumbra", version, about, long_about = None, max_term_width = 100)]
@@ -28,6 +30,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Measure how far apart two pictures are, as JSON.
     Compare(CompareArgs),
+    /// A shadow mask from depth buffers that another program has drawn.
+    Mask(Box<MaskArgs>),
 }
 
 /// Options of `render`. Values are text here: what is wrong with one is said in one line and ends

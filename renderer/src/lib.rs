@@ -20,6 +20,8 @@ pub mod light_views;
 pub mod lighting;
 #[cfg(feature = "program")]
 pub mod load;
+#[cfg(feature = "program")]
+pub mod mask;
 pub mod method;
 #[cfg(feature = "program")]
 pub mod pass;

@@ -8,6 +8,7 @@ use clap::Parser;
 use renderer::Error;
 use renderer::cli::{Cli, Command, CompareArgs};
 use renderer::compare::compare_files;
+use renderer::mask::mask;
 use renderer::picture::{Format, check_place, write_file};
 use renderer::render::render;
 use renderer::settings::Settings;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
     let done = panic::catch_unwind(|| match &cli.command {
         Command::Render(args) => Settings::new(args).and_then(|settings| render(&settings)),
         Command::Compare(args) => compare(args),
+        Command::Mask(args) => mask(args),
     });
     let error = match done {
         Ok(Ok(())) => return ExitCode::SUCCESS,
