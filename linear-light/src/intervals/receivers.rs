@@ -51,13 +51,13 @@ impl Receivers {
         let height = [frustum.size[1] as f32; LANES];
         let (none, most) = ([0.0; LANES], [f32::MAX; LANES]);
         self.inside = 0;
-        for row in 0..BAND {
+        for (row, nearness) in nearness.iter().enumerate() {
             let at = [x, y + row];
-            let q = warp_row(&frustum.warp[3], at, &nearness[row]);
+            let q = warp_row(&frustum.warp[3], at, nearness);
             let one = lanes(|i| 1.0 / q[i]);
-            let u = times(warp_row(&frustum.warp[0], at, &nearness[row]), &one);
-            let v = times(warp_row(&frustum.warp[1], at, &nearness[row]), &one);
-            let w = times(warp_row(&frustum.warp[2], at, &nearness[row]), &one);
+            let u = times(warp_row(&frustum.warp[0], at, nearness), &one);
+            let v = times(warp_row(&frustum.warp[1], at, nearness), &one);
+            let w = times(warp_row(&frustum.warp[2], at, nearness), &one);
             let inside = ops.greater(&q, &none)
                 & ops.greater(&v, &none)
                 & ops.greater(&height, &v)

@@ -157,6 +157,5 @@ fn hidden(vertex: Vertex, u: &Lanes, nearness: &Lanes, disparity: f32) -> Lanes 
 
 #[inline(always)]
 fn vector(of: &[f32; MOST], index: usize) -> Lanes {
-    let start = index * LANES;
-    lanes(|i| of[start + i])
+    of.as_chunks().0[index]
 }
