@@ -7,6 +7,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod area;
 mod channel;
 mod counters;
 mod crossings;
@@ -22,6 +23,7 @@ mod skin_spans;
 mod skins;
 mod views;
 
+pub use area::{WeightedLine, lines, polygon_lines};
 pub use channel::VisibilityChannels;
 pub use counters::Counters;
 pub use discontinuity::{Discontinuity, EdgeFilter};
