@@ -49,6 +49,7 @@ const PARTS: &[Part] = &[
     ("2000-8", paper2000::figure_8),
     ("2000-9", paper2000::figure_9),
     ("2000-10", paper2000::figure_10),
+    ("2002-6", paper2002::figure_6),
     ("2002-7", paper2002::figure_7),
     ("2002-8", paper2002::figure_8),
     ("2002-9", paper2002::figure_9),

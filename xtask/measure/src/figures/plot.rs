@@ -54,6 +54,8 @@ impl Curve {
 pub enum Scale {
     /// Both evenly; y between the two values.
     Linear([f64; 2]),
+    /// x evenly, y by powers.
+    LogarithmicY,
     /// Both by powers.
     Logarithmic,
 }
@@ -120,11 +122,11 @@ pub fn plot(axes: Axes<'_>, curves: &[Curve]) -> Markup {
         .with_width(500.0)
         .with_height(340.0)
         .with_theme(theme);
+    let plain = TickFormat::Custom(Arc::new(plain));
     let layout = match axes.scale {
         Scale::Linear([low, high]) => layout.with_y_axis_min(low).with_y_axis_max(high),
-        Scale::Logarithmic => {
-            layout.with_log_scale().with_tick_format(TickFormat::Custom(Arc::new(plain)))
-        }
+        Scale::LogarithmicY => layout.with_log_y().with_tick_format(plain),
+        Scale::Logarithmic => layout.with_log_scale().with_tick_format(plain),
     };
     html! {
         figure.plot {

@@ -104,6 +104,18 @@ impl<'a> Stage<'a> {
         Shadow { values: self.frame.visibility()[0].clone(), milliseconds }
     }
 
+    /// Milliseconds for a whole frame: camera pass, map, shadows and shading. The best of
+    /// `repeats`.
+    pub fn frame_milliseconds(&mut self, light: &SceneLight, way: &Way, repeats: usize) -> f64 {
+        let job = self.job(light, way);
+        let mut best = f64::INFINITY;
+        for _ in 0..repeats.max(1) {
+            self.draw(std::slice::from_ref(&job), Goal::Srgb);
+            best = best.min(self.frame.times().total.as_secs_f64() * 1e3);
+        }
+        best
+    }
+
     /// The picture with such shadows.
     pub fn picture(&mut self, light: &SceneLight, way: &Way) -> Picture {
         let job = self.job(light, way);
