@@ -6,7 +6,7 @@ use renderer::scene::SceneLight;
 use shadowmap_core::Light;
 
 use super::Effort;
-use super::gallery::{Gallery, Of, milliseconds};
+use super::gallery::{Gallery, milliseconds};
 use super::page::{Section, Tiles, table};
 use super::scenes::built_in;
 use super::stage::Stage;
@@ -28,15 +28,12 @@ pub fn tables(effort: &Effort) -> Section {
         let mut stage = Stage::new(&scene, effort.size);
         for light in &scene.lights {
             let rows = rows(&mut stage, light, effort);
-            let mut tiles = Tiles::new("errors");
-            let mut gallery = Gallery::new(&mut stage, light, effort, &mut tiles);
-            gallery.show_truth(Of::Visibility);
-            for way in pictured(&light.light) {
-                gallery.show(&way, &[Of::Error]);
-            }
+            let mut tiles = Tiles::new("errors", 4);
+            let prefix = format!("{name}-{}-", light.name);
+            let mut gallery = Gallery::new(&mut stage, light, effort, &prefix, &mut tiles);
+            gallery.errors(&pictured(&light.light));
             let (row, drawn) = tiles.finish();
-            let of_light = |(file, picture)| (format!("{name}-{}-{file}", light.name), picture);
-            pictures.extend(drawn.into_iter().map(of_light));
+            pictures.extend(drawn);
             body = html! {
                 (body)
                 h3 { (name) ", " (kind(light)) }
@@ -52,7 +49,7 @@ fn rows(stage: &mut Stage<'_>, light: &SceneLight, effort: &Effort) -> Vec<Vec<S
     let truth = stage.truth(light);
     let ways = ways(&light.light);
     let row = |way: &Way| {
-        let shadow = stage.shadow(light, way, effort.repeats);
+        let shadow = stage.shadow(std::slice::from_ref(light), way, effort.repeats);
         let error = stage.compare(&shadow.values, &truth);
         vec![
             way.name(),
@@ -73,26 +70,42 @@ fn ways(light: &Light) -> Vec<Way> {
         Way::new(Method::PointSamples).samples(4),
         Way::new(Method::PointSamples).samples(16),
     ];
-    if let Light::Sphere { .. } = light {
-        ways.extend([
+    match light {
+        Light::Sphere { .. } => ways.extend([
             Way::new(Method::Pcf).map_size(1024),
             Way::new(Method::Pcss).map_size(1024),
             Way::new(Method::SearchPaper).map_size(256),
-            Way::new(Method::SearchPaper).map_size(1024),
-        ]);
+            Way::new(Method::Search).map_size(256),
+            Way::new(Method::Search).map_size(512),
+            Way::new(Method::Search).map_size(1024),
+        ]),
+        _ => ways.extend([
+            Way::new(Method::Skins).samples(2),
+            Way::new(Method::Skins).samples(2).map_size(1024),
+            Way::new(Method::Skins).samples(3).map_size(1024),
+            Way::new(Method::Skins).samples(5).map_size(1024),
+            Way::new(Method::Intervals).samples(2),
+            Way::new(Method::Intervals).samples(2).map_size(1024),
+            Way::new(Method::Intervals).samples(3).map_size(1024),
+        ]),
     }
     ways.extend([4, 16, 64].map(|rays| Way::new(Method::RayTraced).samples(rays)));
     ways
 }
 
 /// Whose errors are shown as pictures.
-fn pictured(light: &Light) -> Vec<Way> {
+fn pictured(light: &Light) -> [Way; 3] {
     match light {
-        Light::Sphere { .. } => vec![
+        Light::Sphere { .. } => [
             Way::new(Method::Pcss).map_size(1024),
-            Way::new(Method::SearchPaper).map_size(1024),
+            Way::new(Method::Search).map_size(1024),
+            Way::new(Method::RayTraced).samples(16),
         ],
-        _ => vec![Way::new(Method::PointSamples).samples(16)],
+        _ => [
+            Way::new(Method::Skins).samples(2).map_size(1024),
+            Way::new(Method::Intervals).samples(2).map_size(1024),
+            Way::new(Method::RayTraced).samples(16),
+        ],
     }
 }
 

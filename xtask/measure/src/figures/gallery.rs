@@ -1,24 +1,14 @@
 //! Pictures of one light's shadows made in several ways, each with its error.
 
-use renderer::compare::Comparison;
+use maud::{Markup, html};
 use renderer::scene::SceneLight;
+use shadowmap_core::Light;
 
 use super::Effort;
 use super::page::{Section, Tiles};
 use super::picture::Picture;
-use super::stage::Stage;
+use super::stage::{Shadow, Stage};
 use super::way::Way;
-
-/// What a gallery shows of a way of making shadows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
-    /// The picture that the renderer draws.
-    Scene,
-    /// Visibility in grey.
-    Visibility,
-    /// The signed error of visibility.
-    Error,
-}
 
 /// Draws one light of one stage.
 pub struct Gallery<'g, 'a> {
@@ -27,51 +17,129 @@ pub struct Gallery<'g, 'a> {
     truth: Vec<f32>,
     repeats: usize,
     tiles: &'g mut Tiles,
+    /// Tells the files of this gallery from those of others in the section.
+    prefix: String,
+}
+
+/// One way's shadows, and what is said of them.
+struct Shown {
+    shadow: Shadow,
+    picture: Picture,
+    file: String,
+    name: String,
+    caption: String,
 }
 
 impl<'g, 'a> Gallery<'g, 'a> {
+    /// `prefix` tells the files of this gallery from those of others in the section.
     pub fn new(
         stage: &'g mut Stage<'a>,
         light: &'a SceneLight,
         effort: &Effort,
+        prefix: &str,
         tiles: &'g mut Tiles,
     ) -> Gallery<'g, 'a> {
         let truth = stage.truth(light);
-        Gallery { stage, light, truth, repeats: effort.repeats, tiles }
+        Gallery { stage, light, truth, repeats: effort.repeats, tiles, prefix: prefix.to_owned() }
     }
 
-    /// Appends the pictures of one way; the first has a caption with its name, error and time.
-    pub fn show(&mut self, way: &Way, what: &[Of]) -> Comparison {
-        let shadow = self.stage.shadow(self.light, way, self.repeats);
+    /// A row of pictures, the truth first, and a row of errors, true visibility first.
+    pub fn compare(&mut self, ways: &[Way]) {
+        let shown: Vec<Shown> = ways.iter().map(|way| self.draw(way)).collect();
+        self.rows(shown);
+    }
+
+    /// [`Gallery::compare`] for a triangle light, `edges` being drawn on its three edges, linear
+    /// lights all of them.
+    pub fn compare_edges(&mut self, ways: &[Way], edges: &[Way]) {
+        let mut shown: Vec<Shown> = ways.iter().map(|way| self.draw(way)).collect();
+        shown.extend(edges.iter().map(|way| self.draw_edges(way)));
+        self.rows(shown);
+    }
+
+    /// Pictures alone, the truth last.
+    pub fn pictures(&mut self, ways: &[Way]) {
+        for way in ways {
+            let shown = self.draw(way);
+            self.push(&shown.file, shown.picture, &shown.caption);
+        }
+        self.push_truth();
+    }
+
+    /// Errors alone, after the true visibility.
+    pub fn errors(&mut self, ways: &[Way]) {
+        let width = self.stage.width();
+        let truth = Picture::gray(width, &self.truth);
+        self.push("truth-visibility", truth, "true visibility of the light");
+        for way in ways {
+            let shown = self.draw(way);
+            let error = Picture::error(width, &shown.shadow.values, &self.truth);
+            let caption = format!("error of {}", shown.name);
+            self.push(&format!("{}-error", shown.file), error, &caption);
+        }
+    }
+
+    fn rows(&mut self, all: Vec<Shown>) {
+        self.push_truth();
+        let width = self.stage.width();
+        let error = |shown: &Shown| Picture::error(width, &shown.shadow.values, &self.truth);
+        let errors: Vec<Picture> = all.iter().map(error).collect();
+        for shown in &all {
+            self.push(&shown.file, shown.picture.clone(), &shown.caption);
+        }
+        let truth = Picture::gray(width, &self.truth);
+        self.push("truth-visibility", truth, "true visibility of the light");
+        for (shown, error) in all.iter().zip(errors) {
+            let caption = format!("error of {}", shown.name);
+            self.push(&format!("{}-error", shown.file), error, &caption);
+        }
+    }
+
+    fn push(&mut self, file: &str, picture: Picture, caption: &str) {
+        self.tiles.push(&format!("{}{file}", self.prefix), picture, caption);
+    }
+
+    fn push_truth(&mut self) {
+        let picture = self.stage.picture(std::slice::from_ref(self.light), &Way::truth());
+        self.push("truth", picture, "truth: 4096 rays per pixel");
+    }
+
+    fn draw(&mut self, way: &Way) -> Shown {
+        let light = std::slice::from_ref(self.light);
+        self.draw_lights(light, way, way.name(), way.file_name())
+    }
+
+    fn draw_edges(&mut self, way: &Way) -> Shown {
+        let Light::Triangle { a, b, c } = self.light.light else {
+            panic!("edges are those of a triangle");
+        };
+        let edge = |(a, b)| SceneLight {
+            light: Light::Linear { a, b },
+            intensity: self.light.intensity / 3.0,
+            ..self.light.clone()
+        };
+        let edges = [(a, b), (b, c), (c, a)].map(edge);
+        let name = format!("three edges, each with {}", way.name());
+        self.draw_lights(&edges, way, name, format!("edges-{}", way.file_name()))
+    }
+
+    fn draw_lights(
+        &mut self,
+        lights: &[SceneLight],
+        way: &Way,
+        name: String,
+        file: String,
+    ) -> Shown {
+        let shadow = self.stage.shadow(lights, way, self.repeats);
         let error = self.stage.compare(&shadow.values, &self.truth);
         let caption = format!(
-            "{}: RMSE {:.4} in the penumbra, largest error {:.2}, {}",
-            way.name(),
+            "{name}: RMSE {:.4} in the penumbra, largest error {:.2}, {}",
             error.penumbra_rmse,
             error.max,
             milliseconds(shadow.milliseconds),
         );
-        for (i, what) in what.iter().enumerate() {
-            let width = self.stage.width();
-            let (suffix, picture) = match what {
-                Of::Scene => ("", self.stage.picture(self.light, way)),
-                Of::Visibility => ("-visibility", Picture::gray(width, &shadow.values)),
-                Of::Error => ("-error", Picture::error(width, &shadow.values, &self.truth)),
-            };
-            let name = format!("{}{suffix}", way.file_name());
-            let caption = if i == 0 { caption.clone() } else { format!("{}: error", way.name()) };
-            self.tiles.push(&name, picture, &caption);
-        }
-        error
-    }
-
-    /// Appends the truth.
-    pub fn show_truth(&mut self, what: Of) {
-        let picture = match what {
-            Of::Scene => self.stage.picture(self.light, &Way::truth()),
-            _ => Picture::gray(self.stage.width(), &self.truth),
-        };
-        self.tiles.push("truth", picture, "truth: 4096 rays per pixel");
+        let picture = self.stage.picture(lights, way);
+        Shown { shadow, picture, file, name, caption }
     }
 }
 
@@ -85,15 +153,8 @@ pub fn milliseconds(value: f64) -> String {
     }
 }
 
-/// A section whose pictures are those of `tiles`.
-pub fn section(
-    id: &'static str,
-    title: &str,
-    before: maud::Markup,
-    tiles: Tiles,
-    after: maud::Markup,
-) -> Section {
-    let (row, pictures) = tiles.finish();
-    let body = maud::html! { (before) (row) (after) };
-    Section { id, title: title.to_owned(), body, pictures }
+/// A section of a text and pictures.
+pub fn section(id: &'static str, title: &str, text: Markup, tiles: Tiles) -> Section {
+    let (rows, pictures) = tiles.finish();
+    Section { id, title: title.to_owned(), body: html! { p { (text) } (rows) }, pictures }
 }

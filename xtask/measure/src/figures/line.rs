@@ -40,7 +40,7 @@ impl<'a> Line<'a> {
 
     /// What `way` finds, over x in metres.
     pub fn visibility(&mut self, way: &Way) -> Points {
-        let shadow = self.stage.shadow(self.light, way, 1);
+        let shadow = self.stage.shadow(std::slice::from_ref(self.light), way, 1);
         self.over_x(&shadow.values)
     }
 

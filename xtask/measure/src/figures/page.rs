@@ -17,16 +17,17 @@ pub struct Section {
     pub pictures: Vec<(String, Picture)>,
 }
 
-/// A row of pictures that wraps where it must.
+/// Rows of so many pictures, fewer where the page is narrow.
 pub struct Tiles {
     section: &'static str,
+    columns: usize,
     body: Vec<Markup>,
     pictures: Vec<(String, Picture)>,
 }
 
 impl Tiles {
-    pub fn new(section: &'static str) -> Tiles {
-        Tiles { section, body: Vec::new(), pictures: Vec::new() }
+    pub fn new(section: &'static str, columns: usize) -> Tiles {
+        Tiles { section, columns, body: Vec::new(), pictures: Vec::new() }
     }
 
     /// Appends a picture; `name` tells it apart from the others of the section.
@@ -42,9 +43,10 @@ impl Tiles {
         self.pictures.push((name, picture));
     }
 
-    /// The row, and the pictures for their files.
+    /// The rows, and the pictures for their files.
     pub fn finish(self) -> (Markup, Vec<(String, Picture)>) {
-        (html! { div.tiles { @for tile in &self.body { (tile) } } }, self.pictures)
+        let columns = format!("--columns: {}", self.columns);
+        (html! { div.tiles style=(columns) { @for tile in &self.body { (tile) } } }, self.pictures)
     }
 }
 
@@ -106,8 +108,9 @@ code { font-size: 0.92em; }
 nav ol { columns: 22rem; padding-left: 1.6rem; }
 section { border-top: 1px solid var(--rule); margin-top: 2.5rem; padding-top: 1.2rem; }
 figure { margin: 0; }
-.tiles { display: grid; gap: 1rem; margin: 1rem 0;
-  grid-template-columns: repeat(auto-fill, minmax(min(100%, 17.5rem), 1fr)); }
+.tiles { display: grid; gap: 1rem; margin: 1rem 0; grid-template-columns: repeat(var(--columns), 1fr); }
+@media (max-width: 60rem) { .tiles { grid-template-columns: repeat(2, 1fr); } }
+@media (max-width: 34rem) { .tiles { grid-template-columns: 1fr; } }
 .tiles img { display: block; width: 100%; height: auto; border: 1px solid var(--rule); }
 figcaption { color: var(--soft); font-size: 0.88rem; line-height: 1.4; margin-top: 0.3rem; }
 .plot { max-width: 44rem; margin: 1rem 0; }

@@ -113,10 +113,14 @@ pub fn figure_5(effort: &Effort) -> Section {
     let mut scene = scene;
     // The linear light is the one that samples are made of.
     scene.lights.retain(|light| matches!(light.light, Light::Linear { .. }));
-    let mut tiles = Tiles::new("2000-5");
+    let mut tiles = Tiles::new("2000-5", 3);
     let mut stage = Stage::new(&scene, effort.size);
     let light = stage.light(|_| true);
-    tiles.push("scene", stage.picture(light, &Way::truth()), "the scene, ray-traced");
+    tiles.push(
+        "scene",
+        stage.picture(std::slice::from_ref(light), &Way::truth()),
+        "the scene, ray-traced",
+    );
     let samples = Samples::new(&scene, 2, effort.size, &SkinOptions::default());
     for (k, name) in ["left", "right"].into_iter().enumerate() {
         let caption = format!("visibility channel of the {name} end of the light, in its view");
@@ -125,13 +129,12 @@ pub fn figure_5(effort: &Effort) -> Section {
     section(
         "2000-5",
         "2000, figure 5: visibility channels",
-        html! { p {
+        html! {
             "Grey, 0.5, is half of the light: what both samples see gets the rest from the other. A "
             "skin runs from 0 at the blocker’s edge to 1 at the end of the penumbra. The bars at "
             "the borders are skins between the ground’s own edge and the nothing behind it."
-        } },
+        },
         tiles,
-        html! {},
     )
 }
 

@@ -1,5 +1,7 @@
 //! A scene on stage: a camera before it, its truth, and what every method makes of its light.
 
+use std::time::{Duration, Instant};
+
 use glam::Vec3;
 use reference::{Samples, Tracer, truth};
 use renderer::camera::{CameraOptions, choose, view};
@@ -10,10 +12,14 @@ use renderer::picture::{self, Display, Values};
 use renderer::prepared::Prepared;
 use renderer::receivers;
 use renderer::scene::{Scene, SceneLight};
+use renderer::stats::StageTimes;
 use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
 
 use super::picture::Picture;
 use super::way::Way;
+
+/// What takes longer is not repeated.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// A scene, its camera, and memory to draw frames in.
 pub struct Stage<'a> {
@@ -91,35 +97,48 @@ impl<'a> Stage<'a> {
         truth::cached(&mesh, &self.positions, &self.normals, &light.light, Samples::TRUTH)
     }
 
-    /// The shadows of a light, made one way. The time is the best of `repeats`.
-    pub fn shadow(&mut self, light: &SceneLight, way: &Way, repeats: usize) -> Shadow {
-        let job = self.job(light, way);
-        let mut milliseconds = f64::INFINITY;
-        for _ in 0..repeats.max(1) {
-            self.draw(std::slice::from_ref(&job), Goal::Visibility);
-            let times = self.frame.times();
-            let shadows = times.light_maps + times.visibility_channel + times.shadow;
-            milliseconds = milliseconds.min(shadows.as_secs_f64() * 1e3);
-        }
-        Shadow { values: self.frame.visibility()[0].clone(), milliseconds }
+    /// The shadows of lights, made one way; of several lights that stand for one, the mean. The
+    /// time is the best of `repeats`, fewer if they take long.
+    pub fn shadow(&mut self, lights: &[SceneLight], way: &Way, repeats: usize) -> Shadow {
+        let milliseconds = self.best(lights, way, repeats, Goal::Visibility, |times| {
+            times.light_maps + times.visibility_channel + times.shadow
+        });
+        let each = self.frame.visibility();
+        let mean = |i| each.iter().map(|values| values[i]).sum::<f32>() / each.len() as f32;
+        Shadow { values: (0..self.positions.len()).map(mean).collect(), milliseconds }
     }
 
     /// Milliseconds for a whole frame: camera pass, map, shadows and shading. The best of
-    /// `repeats`.
+    /// `repeats`, fewer if they take long.
     pub fn frame_milliseconds(&mut self, light: &SceneLight, way: &Way, repeats: usize) -> f64 {
-        let job = self.job(light, way);
-        let mut best = f64::INFINITY;
+        self.best(std::slice::from_ref(light), way, repeats, Goal::Srgb, |times| times.total)
+    }
+
+    fn best(
+        &mut self,
+        lights: &[SceneLight],
+        way: &Way,
+        repeats: usize,
+        goal: Goal,
+        time: impl Fn(&StageTimes) -> Duration,
+    ) -> f64 {
+        let jobs = self.jobs(lights, way);
+        let start = Instant::now();
+        let mut best = Duration::MAX;
         for _ in 0..repeats.max(1) {
-            self.draw(std::slice::from_ref(&job), Goal::Srgb);
-            best = best.min(self.frame.times().total.as_secs_f64() * 1e3);
+            self.draw(&jobs, goal);
+            best = best.min(time(self.frame.times()));
+            if start.elapsed() > PATIENCE {
+                break;
+            }
         }
-        best
+        best.as_secs_f64() * 1e3
     }
 
     /// The picture with such shadows.
-    pub fn picture(&mut self, light: &SceneLight, way: &Way) -> Picture {
-        let job = self.job(light, way);
-        self.draw(std::slice::from_ref(&job), Goal::Srgb);
+    pub fn picture(&mut self, lights: &[SceneLight], way: &Way) -> Picture {
+        let jobs = self.jobs(lights, way);
+        self.draw(&jobs, Goal::Srgb);
         Picture::srgb(self.width(), self.frame.srgb())
     }
 
@@ -134,9 +153,10 @@ impl<'a> Stage<'a> {
         compare(&found, &truth, &truth).expect("both are of the camera's size")
     }
 
-    fn job(&self, light: &SceneLight, way: &Way) -> LightJob {
-        LightJob::new(light, &way.options(), &self.prepared)
-            .expect("figures draw each light with methods that fit it")
+    fn jobs(&self, lights: &[SceneLight], way: &Way) -> Vec<LightJob> {
+        let job = |light| LightJob::new(light, &way.options(), &self.prepared);
+        let jobs: Result<_, _> = lights.iter().map(job).collect();
+        jobs.expect("figures draw each light with methods that fit it")
     }
 
     fn draw(&mut self, lights: &[LightJob], goal: Goal) {

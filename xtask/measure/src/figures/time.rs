@@ -41,7 +41,7 @@ fn curves(stage: &mut Stage<'_>, light: &SceneLight, effort: &Effort) -> Vec<Cur
     let truth = stage.truth(light);
     let mut curve = |name: &str, ways: Vec<Way>| {
         let point = |way: &Way| {
-            let shadow = stage.shadow(light, way, effort.repeats);
+            let shadow = stage.shadow(std::slice::from_ref(light), way, effort.repeats);
             (shadow.milliseconds, stage.compare(&shadow.values, &truth).penumbra_rmse)
         };
         Curve::new(name, Stroke::Marked, ways.iter().map(point).collect())
@@ -51,10 +51,23 @@ fn curves(stage: &mut Stage<'_>, light: &SceneLight, effort: &Effort) -> Vec<Cur
     let points = counts(5).map(|n| Way::new(Method::PointSamples).samples(n)).collect();
     let mut curves =
         vec![curve("ray tracing, 1 to 256 rays", rays), curve("1 to 32 point lights", points)];
-    let sizes = |method: Method| [256, 512, 1024].map(|n| Way::new(method).map_size(n)).to_vec();
-    if let Light::Sphere { .. } = light.light {
-        curves.push(curve("percentage-closer soft shadows, 256² to 1024²", sizes(Method::Pcss)));
-        curves.push(curve("search of the 2002 paper, 256² to 1024²", sizes(Method::SearchPaper)));
+    let sizes = |way: Way| [256, 512, 1024, 2048].map(|n| way.map_size(n)).to_vec();
+    match light.light {
+        Light::Sphere { .. } => {
+            let [search, pcss] = [Method::Search, Method::Pcss].map(|m| sizes(Way::new(m)));
+            curves.push(curve("search, 256² to 2048²", search));
+            curves.push(curve("percentage-closer soft shadows, 256² to 2048²", pcss));
+            let paper = vec![Way::new(Method::SearchPaper).map_size(256)];
+            curves.push(curve("search as in the 2002 paper, 256²", paper));
+        }
+        _ => {
+            let intervals = sizes(Way::new(Method::Intervals).samples(2));
+            curves.push(curve("intervals from 2 samples, 256² to 2048²", intervals));
+            for count in [2, 5] {
+                let skins = sizes(Way::new(Method::Skins).samples(count));
+                curves.push(curve(&format!("skins between {count} samples, 256² to 2048²"), skins));
+            }
+        }
     }
     curves
 }

@@ -3,7 +3,7 @@
 use renderer::light_views::ByHand;
 use renderer::lighting::LightOptions;
 use renderer::method::Method;
-use single_sample::paper;
+use single_sample::paper::{InnerWidth, Parameters, Penumbra};
 
 /// A method and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,13 +14,13 @@ pub struct Way {
     /// Side of the light's maps, in texels.
     pub map_size: u32,
     pub by_hand: Option<ByHand>,
-    pub paper: paper::Parameters,
+    pub paper: Parameters,
 }
 
 impl Way {
     /// A method with one sample and maps of 512 by 512 texels.
     pub fn new(method: Method) -> Way {
-        let paper = paper::Parameters::default();
+        let paper = Parameters::default();
         Way { method, samples: 1, map_size: 512, by_hand: None, paper }
     }
 
@@ -58,7 +58,15 @@ impl Way {
             Method::Search => format!("search, {map_size}²"),
             Method::Skins => format!("skins between {samples} samples, {map_size}²"),
             Method::Intervals => format!("intervals from {samples} samples, {map_size}²"),
-            Method::SearchPaper => format!("search as in the 2002 paper, {map_size}²"),
+            Method::SearchPaper => match self.paper {
+                Parameters { penumbra: Penumbra::Outer, .. } => {
+                    format!("outer penumbra as in the 2002 paper, {map_size}²")
+                }
+                Parameters { inner_width: InnerWidth::LitTexel, .. } => {
+                    format!("the 2002 paper as printed, {map_size}²")
+                }
+                _ => format!("the 2002 paper, {map_size}²"),
+            },
             Method::Pcf => format!("percentage-closer filtering, {map_size}²"),
             Method::Pcss => format!("percentage-closer soft shadows, {map_size}²"),
         }
@@ -70,6 +78,10 @@ impl Way {
             Method::RayTraced => format!("rays-{}", self.samples),
             Method::PointSamples | Method::Skins | Method::Intervals => {
                 format!("{}-{}-{}", self.method, self.samples, self.map_size)
+            }
+            Method::SearchPaper => {
+                let Parameters { penumbra, inner_width, .. } = self.paper;
+                format!("paper-{penumbra:?}-{inner_width:?}-{}", self.map_size).to_lowercase()
             }
             method => format!("{method}-{}", self.map_size),
         }
