@@ -51,5 +51,5 @@ pub mod search;
 
 pub use camera::{LightMap, Texels};
 pub use counters::Counters;
-pub use mask::Visibility;
+pub use mask::{Found, Visibility};
 pub use shadowmap_core::{Camera, SizeError, Surface, Surfaces};

@@ -20,6 +20,8 @@ pub(crate) struct Samples {
     wanted: [u8; COUNT],
     wanted_len: usize,
     known: [bool; COUNT],
+    /// Which values come from a search.
+    pub searched: [bool; COUNT],
     open: [Group; COUNT],
     open_len: usize,
 }
@@ -60,6 +62,7 @@ impl Samples {
             wanted: [0; COUNT],
             wanted_len: 0,
             known: [false; COUNT],
+            searched: [false; COUNT],
             open: [Group { first: 0, last: 0, step: 0 }; COUNT],
             open_len: 0,
         }
@@ -73,6 +76,7 @@ impl Samples {
     /// Asks for the ends of all groups along every `group`-th column.
     pub fn begin(&mut self, grid: &Grid) {
         self.known = [false; COUNT];
+        self.searched = [false; COUNT];
         self.wanted_len = 0;
         self.open_len = 0;
         let mut x = 0;
@@ -151,6 +155,7 @@ impl Samples {
             self.known[pixel] = true;
             self.values[pixel] = 0.0;
             if self.keys[pixel] != NO_KEY {
+                self.searched[pixel] = true;
                 self.wanted[self.wanted_len] = pixel as u8;
                 self.wanted_len += 1;
             }

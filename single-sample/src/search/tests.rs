@@ -8,7 +8,7 @@ use shadowmap_core::{
 use simd_search::{NodeGroup, Pyramid};
 
 use super::{Parameters, naive, visibility};
-use crate::{Counters, LightMap, Texels, Visibility};
+use crate::{Counters, Found, LightMap, Texels, Visibility};
 
 const MAP: u32 = 40;
 const IMAGE: [u32; 2] = [37, 21];
@@ -141,6 +141,26 @@ proptest! {
                 maps.render::<f32>(level, Threads::One, &parameters, packed);
             prop_assert_eq!(&found, &expected, "{:?}", level);
         }
+    }
+
+    #[test]
+    fn what_is_not_interpolated_is_exact(
+        radius in 0.0..0.5_f32, group in 2..8_u32,
+        plates in proptest::collection::vec(plate(), 0..5),
+        bumps in proptest::collection::vec((any::<u32>(), 0.9..1.5_f32, vector()), 0..60),
+    ) {
+        let maps = ground_and_plates(false, &plates, Vec3::new(0.0, 3.0, 3.0), &bumps);
+        let render = |group| {
+            let parameters = Parameters { radius, group, ..Parameters::default() };
+            maps.render::<(f32, Found)>(Level::detect(), Threads::One, &parameters, false)
+        };
+        let ((every, _), (found, counters)) = (render(1), render(group));
+        prop_assert!(every.iter().all(|pixel| pixel.1 != Found::Interpolated));
+        for (pixel, every) in found.iter().zip(&every) {
+            prop_assert!(pixel.1 == Found::Interpolated || pixel.0 == every.0);
+        }
+        let searched = found.iter().filter(|pixel| pixel.1 == Found::Searched).count();
+        prop_assert_eq!(searched as u32, counters.searches);
     }
 
     #[test]

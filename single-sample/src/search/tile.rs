@@ -14,7 +14,7 @@ use super::planar::{FindPlanar, Planar};
 use super::reach::{Extent, Reach};
 use super::soa::{Pixels, Receivers, SetReceivers};
 use super::verdict::{FindExtent, FindLeast, margin};
-use crate::{Counters, Visibility};
+use crate::{Counters, Found, Visibility};
 
 /// What all tiles of a call share.
 pub(crate) struct Scene<'a, T> {
@@ -71,7 +71,8 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         counters.decided_tiles += 1;
         counters.receivers += (grid.width * grid.height) as u32;
         for row in 0..grid.height {
-            out[row * image + left as usize..][..grid.width].fill(V::from_unit(visible));
+            out[row * image + left as usize..][..grid.width]
+                .fill(V::from_pixel(visible, Found::Decided));
         }
         return;
     }
@@ -81,7 +82,8 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     let geometry = &scene.geometry;
     kernels::run(scene.level, SetReceivers { geometry, first, pixels, receivers });
     count_outside(&scene.field, receivers, counters);
-    if let Some(greatest) = greatest_that_may_block(scene, receivers) {
+    let greatest = greatest_that_may_block(scene, receivers);
+    if let Some(greatest) = greatest {
         let work = SearchTile {
             geometry,
             field: &scene.field,
@@ -104,7 +106,12 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         for (i, out) in out.iter_mut().enumerate() {
             let k = row * TILE + i;
             let visible = receivers.sky[k] - samples.values[k];
-            *out = V::from_unit(if visible > 0.0 { visible } else { 0.0 });
+            let found = match (greatest, samples.searched[k], receivers.sky[k] > 0.0) {
+                (None, _, _) | (_, _, false) => Found::Decided,
+                (_, true, _) => Found::Searched,
+                (_, false, _) => Found::Interpolated,
+            };
+            *out = V::from_pixel(if visible > 0.0 { visible } else { 0.0 }, found);
         }
     }
 }
