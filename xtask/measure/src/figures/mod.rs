@@ -1,7 +1,9 @@
 //! `cargo xtask figures`: the papers' figures, redrawn beside the truth, as one HTML page.
 
+mod adaptive;
 mod errors;
 mod gallery;
+mod limits;
 mod line;
 mod page;
 mod paper2000;
@@ -49,12 +51,14 @@ const PARTS: &[Part] = &[
     ("2000-8", paper2000::figure_8),
     ("2000-9", paper2000::figure_9),
     ("2000-10", paper2000::figure_10),
+    ("2002-5", adaptive::figure_5),
     ("2002-6", paper2002::figure_6),
     ("2002-7", paper2002::figure_7),
     ("2002-8", paper2002::figure_8),
     ("2002-9", paper2002::figure_9),
     ("errors", errors::tables),
     ("time", time::plots),
+    ("limits", limits::failures),
 ];
 
 /// Runs the command.

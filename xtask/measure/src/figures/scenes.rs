@@ -57,6 +57,33 @@ pub fn wide_spot() -> Scene {
     scene
 }
 
+/// A bar near the ground, hidden from the middle of a sphere light by a bar higher up.
+pub fn hidden_from_the_middle() -> Scene {
+    let mut scene = bars(&[0.0]);
+    scene.lights = vec![sphere([0.0, 4.0, 0.0], 0.5)];
+    scene
+}
+
+/// A bar near the ground, hidden from both ends of a linear light by two bars higher up.
+pub fn hidden_from_both_ends() -> Scene {
+    let mut scene = bars(&[-2.0 / 3.0, 2.0 / 3.0]);
+    scene.lights = vec![linear([-1.0, 4.0, 0.0], [1.0, 4.0, 0.0])];
+    scene
+}
+
+/// A bar at 1 m, and others at 3 m.
+fn bars(upper: &[f64]) -> Scene {
+    let mut scene = empty();
+    let low = cuboid(DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.08, 0.02, 1.2), 0.0);
+    add(&mut scene, "lower bar", BLUE, &low);
+    for &x in upper {
+        let high = cuboid(DVec3::new(x, 3.0, 0.0), DVec3::new(0.1, 0.02, 1.2), 0.0);
+        add(&mut scene, "upper bar", ORANGE, &high);
+    }
+    look(&mut scene, [0.0, 5.0, 7.5], [0.0, 0.8, 0.0]);
+    scene
+}
+
 /// A tube along a receiver that leans away from it: visibility is no longer linear across the
 /// penumbra.
 pub fn slope(degrees: f64) -> Scene {

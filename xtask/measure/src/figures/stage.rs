@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
+use raster::DepthBuffer;
 use reference::{Samples, Tracer, truth};
 use renderer::camera::{CameraOptions, choose, view};
 use renderer::compare::{Comparison, compare};
@@ -25,7 +26,7 @@ const PATIENCE: Duration = Duration::from_millis(300);
 pub struct Stage<'a> {
     prepared: Prepared<'a>,
     tracer: Tracer<'a>,
-    camera: View,
+    view: View,
     frame: Frame,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
@@ -54,25 +55,35 @@ impl<'a> Stage<'a> {
         let mut stage = Stage {
             prepared,
             tracer,
-            camera,
+            view: camera,
             frame: Frame::new(Level::detect(), threads),
             positions: Vec::new(),
             normals: Vec::new(),
         };
         stage.draw(&[], Goal::Camera);
         let count = camera.width() as usize * camera.height() as usize;
-        stage.positions.resize(count, Vec3::ZERO);
-        stage.normals.resize(count, Vec3::ZERO);
-        let surfaces = Surfaces::Table(stage.prepared.surfaces());
-        let map = stage.frame.camera().as_depth_map();
-        let seen = Camera::new(&stage.camera, map, surfaces).expect("drawn in the camera's size");
-        receivers::world(&seen, threads, &mut stage.positions, &mut stage.normals);
-        stage
+        let (mut positions, mut normals) = (vec![Vec3::ZERO; count], vec![Vec3::ZERO; count]);
+        receivers::world(&stage.camera(), threads, &mut positions, &mut normals);
+        Stage { positions, normals, ..stage }
+    }
+
+    /// What the camera sees.
+    pub fn camera(&self) -> Camera<'_> {
+        let surfaces = Surfaces::Table(self.prepared.surfaces());
+        let map = self.frame.camera().as_depth_map();
+        Camera::new(&self.view, map, surfaces).expect("drawn in the camera's size")
+    }
+
+    /// The map that `way` takes of a light, and where from. If it takes several, the first.
+    pub fn light_map(&mut self, light: &SceneLight, way: &Way) -> (View, DepthBuffer) {
+        let jobs = self.jobs(std::slice::from_ref(light), way);
+        self.draw(&jobs, Goal::LightMap);
+        (jobs[0].plan.first_views()[0], self.frame.maps()[0].clone())
     }
 
     /// Pixels per row.
     pub fn width(&self) -> usize {
-        self.camera.width() as usize
+        self.view.width() as usize
     }
 
     /// World positions of all pixels.
@@ -145,8 +156,8 @@ impl<'a> Stage<'a> {
     /// How far `found` is from `truth`.
     pub fn compare(&self, found: &[f32], truth: &[f32]) -> Comparison {
         let [found, truth] = [found, truth].map(|values| picture::Picture {
-            width: self.camera.width(),
-            height: self.camera.height(),
+            width: self.view.width(),
+            height: self.view.height(),
             channels: 1,
             values: Values::Floats(values.to_vec(), Display::Unit),
         });
@@ -160,7 +171,7 @@ impl<'a> Stage<'a> {
     }
 
     fn draw(&mut self, lights: &[LightJob], goal: Goal) {
-        let (prepared, camera) = (&self.prepared, &self.camera);
+        let (prepared, camera) = (&self.prepared, &self.view);
         let tracer = Some(&self.tracer);
         self.frame.render(&Shot { prepared, camera, aa: 1, lights, tracer, goal });
     }
