@@ -1,8 +1,11 @@
-//! Every path finds the texel that the definition names, with the same bits.
+//! Every path finds the texel that the definition names, with the same bits, at every level.
 
 mod common;
 
-use common::{KINDS, Random, check_all_paths, query, say_levels, texels};
+use common::{KINDS, Random, Texels, check_all_paths, query, say_levels, texels};
+use proptest::prelude::*;
+use shadowmap_core::{Level, LightPoint};
+use simd_search::{IdTest, Key, Query, Side};
 
 #[test]
 fn random_maps_and_queries() {
@@ -18,4 +21,152 @@ fn random_maps_and_queries() {
         let queries: Vec<_> = (0..12).map(|_| query(&texels, &mut random)).collect();
         check_all_paths(&texels, &queries, random.below(3) == 0);
     }
+}
+
+/// Neighbours, which share one list of tiles: with planes that differ a little, and now and then
+/// in side, ID test, key or radius.
+#[test]
+fn blocks_of_neighbours() {
+    say_levels("blocks of neighbours");
+    let mut found = 0;
+    for seed in 0..200 {
+        let mut random = Random(1000 + seed);
+        let (width, height) = (30 + random.below(200), 20 + random.below(120));
+        let texels = texels(seed as u32 % KINDS, width, height, &mut random);
+        let mut first = query(&texels, &mut random);
+        first.hint = None;
+        let is_mixed = random.below(3) == 0;
+        let queries: Vec<_> = (0..5 + random.below(80))
+            .map(|i| {
+                let mut query = first;
+                query.point.u += (i % 8) as f32 * 0.7;
+                query.point.v += (i / 8) as f32 * 0.9;
+                query.point.nearness += random.unit() * 0.002;
+                query.point.slope.x += random.unit() * 0.0005;
+                if is_mixed && random.below(6) == 0 {
+                    query.side = random.pick(&[Side::Blocker, Side::Lit]);
+                    query.ids = random.pick(&[IdTest::Any, IdTest::Differs(u32::MAX)]);
+                    query.key = random.pick(&[Key::Distance, Key::Ratio { at_most: 900.0 }]);
+                    query.radius = random.pick(&[0.0, 3.5, 40.0, -1.0]);
+                }
+                query
+            })
+            .collect();
+        found += check_all_paths(&texels, &queries, random.below(4) == 0);
+    }
+    println!("{found} hits");
+    assert!(found > 1000, "{found} hits");
+}
+
+/// Windows of 1 to 67 texels, around every texel's corner and centre, over the border as well.
+#[test]
+fn all_windows_around_all_centres() {
+    say_levels("all windows");
+    let mut random = Random(7);
+    let (width, height) = (70, 9);
+    let texels = texels(4, width, height, &mut random);
+    for window in 1..=67 {
+        let radius = window as f32 * 0.5;
+        let queries: Vec<_> = (0..2 * width * height)
+            .filter(|i| (i + window) % 5 == 0 || radius < 4.0)
+            .map(|i| {
+                let (x, y) = ((i % (2 * width)) as f32 * 0.5, (i / (2 * width)) as f32);
+                Query::new(LightPoint::flat(x, y, 0.25), 0.0, radius)
+            })
+            .collect();
+        check_all_paths(&texels, &queries, false);
+    }
+}
+
+/// One texel that counts in the smallest map that kernels take, at every place, from every
+/// corner and centre; then two, so that distances tie.
+#[test]
+fn exhaustive_in_one_tile() {
+    say_levels("one tile");
+    let (width, height) = (16, 8);
+    for place in 0..width * height {
+        for second in [place, width * height - 1 - place] {
+            let mut texels = Texels { width, height, nearness: vec![0.0; 128], ids: vec![] };
+            texels.nearness[place as usize] = 0.5;
+            texels.nearness[second as usize] = 0.5;
+            let queries: Vec<_> = (0..33 * 17)
+                .filter(|i| (i + place) % 7 == 0)
+                .map(|i| {
+                    let (u, v) = ((i % 33) as f32 * 0.5, (i / 33) as f32 * 0.5);
+                    let mut query = Query::new(LightPoint::flat(u, v, 0.25), 0.0, 9.0);
+                    query.side = if i % 3 == 0 { Side::Lit } else { Side::Blocker };
+                    query
+                })
+                .collect();
+            check_all_paths(&texels, &queries, false);
+        }
+    }
+}
+
+/// Every map of 3 x 3 texels with two depths, smaller than any kernel's tile.
+#[test]
+fn exhaustive_in_small_maps() {
+    for bits in 0..512_u32 {
+        let nearness = (0..9).map(|i| if bits >> i & 1 == 1 { 0.5 } else { 0.125 }).collect();
+        let texels = Texels { width: 3, height: 3, nearness, ids: vec![] };
+        let queries: Vec<_> = (0..49)
+            .map(|i| {
+                let (u, v) = ((i % 7) as f32 * 0.5, (i / 7) as f32 * 0.5);
+                let radius = [0.0, 0.5, 1.0, 1.6, 9.0][(i as usize + bits as usize) % 5];
+                let mut query = Query::new(LightPoint::flat(u, v, 0.25), 0.0, radius);
+                query.side = if i % 2 == 0 { Side::Lit } else { Side::Blocker };
+                query
+            })
+            .collect();
+        check_all_paths(&texels, &queries, false);
+    }
+}
+
+fn any_query() -> impl Strategy<Value = Query> {
+    let number = || prop_oneof![any::<f32>(), -8.0_f32..40.0, 0.0_f32..1.0];
+    let side = prop_oneof![Just(Side::Blocker), Just(Side::Lit)];
+    let ids = prop_oneof![
+        Just(IdTest::Any),
+        any::<u32>().prop_map(IdTest::Differs),
+        prop_oneof![Just(0), Just(u32::MAX)].prop_map(IdTest::Equals),
+    ];
+    let key = prop_oneof![Just(Key::Distance), number().prop_map(|at_most| Key::Ratio { at_most })];
+    let point = (number(), number(), number(), number(), number());
+    let hint = prop_oneof![Just(None), any::<[u32; 2]>().prop_map(Some), Just(Some([3, 3]))];
+    (point, number(), number(), side, ids, key, number(), hint).prop_map(
+        |((u, v, nearness, x, y), offset, radius, side, ids, key, jitter, hint)| {
+            let mut point = LightPoint::flat(u, v, nearness);
+            (point.slope.x, point.slope.y) = (x, y);
+            Query { point, offset, radius, side, ids, key, jitter, hint }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    /// Any numbers whatsoever, in the map and in the query.
+    #[test]
+    fn any_numbers(
+        (width, height) in (1_u32..40, 1_u32..20),
+        special in any::<[f32; 6]>(),
+        seed in any::<u64>(),
+        queries in prop::collection::vec(any_query(), 1..9),
+    ) {
+        let mut random = Random(seed);
+        let mut texels = texels(seed as u32 % KINDS, width, height, &mut random);
+        for number in special {
+            texels.nearness[random.below(width * height) as usize] = number;
+        }
+        check_all_paths(&texels, &queries, seed % 4 == 0);
+    }
+}
+
+#[test]
+fn a_map_of_no_texels_holds_nothing() {
+    for (width, height) in [(0, 0), (0, 5), (5, 0)] {
+        let texels = Texels { width, height, nearness: vec![], ids: vec![] };
+        let query = Query::new(LightPoint::flat(0.5, 0.5, 0.0), 0.0, f32::INFINITY);
+        assert_eq!(check_all_paths(&texels, &[query], false), 0);
+    }
+    assert!(Level::available().count() > 0);
 }

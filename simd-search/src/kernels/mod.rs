@@ -17,7 +17,11 @@ use crate::{Hit, IdTest, Map, Query};
 mod avx2;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod avx512;
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+mod neon;
 pub(crate) mod scalar;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod sse41;
 
@@ -140,6 +144,11 @@ pub(crate) fn run(level: Level, job: Job<'_>) {
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         LevelKind::Avx512 => unsafe { avx512::run(job) },
+        // SAFETY: a `Level` exists only where its instructions do.
+        #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+        LevelKind::Neon => unsafe { neon::run(job) },
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        LevelKind::Simd128 => simd128::run(job),
         _ => scalar::run(job),
     }
 }
