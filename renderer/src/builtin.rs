@@ -127,6 +127,8 @@ fn grille_scene() -> Scene {
 
 /// Linear RGB of the ground.
 const PALE: [f32; 3] = [0.62, 0.60, 0.57];
+/// The colour of a ground that is added to a scene, linear RGBA.
+pub const GROUND: Vec4 = Vec4::new(PALE[0], PALE[1], PALE[2], 1.0);
 /// Linear RGB of the only object of a scene.
 const WARM: [f32; 3] = [0.72, 0.36, 0.16];
 /// Linear RGB of the objects of `crowded`.

@@ -69,7 +69,7 @@ pub fn push_emitters(light: &SceneLight, exposure: f32, emitters: &mut Vec<Emitt
 const GAUSS: [(f32, f32); 3] =
     [(0.112_701_66, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_35, 5.0 / 18.0)];
 
-/// The factor on all lights that makes a white surface in the middle of the scene, facing each
+/// The factor on all lights that makes a white surface in the middle of the scene, facing the
 /// light, come out white: lights from files are in candela or lux, and some are a thousand
 /// times others.
 #[must_use]
@@ -85,6 +85,8 @@ pub fn exposure<'a>(lights: impl Iterator<Item = &'a SceneLight>, bounds: Option
             None => brightest,
         }
     };
-    let sum: f32 = lights.map(arriving).filter(|value| value.is_finite()).sum();
-    if sum > 0.0 && (EXPOSURE / sum).is_finite() { EXPOSURE / sum } else { 1.0 }
+    // Not all lights fall on one surface: their squares are summed.
+    let squares = lights.map(arriving).filter(|value| value.is_finite()).map(|value| value * value);
+    let exposure = EXPOSURE / squares.sum::<f32>().sqrt();
+    if exposure.is_finite() { exposure } else { 1.0 }
 }

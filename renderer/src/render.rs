@@ -109,6 +109,9 @@ fn open(settings: &Settings) -> Result<(Scene, bool), Error> {
     }
     if settings.fit || settings.ground {
         scene.add_ground();
+        if let Some(ground) = scene.materials.last_mut() {
+            ground.base_color = builtin::GROUND;
+        }
     }
     if settings.fit {
         builtin::set_up_fitted(&mut scene);

@@ -12,7 +12,7 @@ use crate::shapes::{Solid, cuboid, ground, sphere, tube};
 /// The scene, lit by a sphere light from the left and a linear light from the right.
 pub(crate) fn scene() -> Scene {
     let mut scene = Scene::default();
-    add(&mut scene, "ground", [0.60, 0.58, 0.55], &ground(12.0));
+    add(&mut scene, "ground", [0.60, 0.58, 0.55], &ground(6.0));
     let plinth = cuboid(DVec3::new(0.0, 0.2, 0.0), DVec3::new(0.95, 0.2, 0.95), 20.0);
     add(&mut scene, "plinth", [0.50, 0.48, 0.46], &plinth);
     add(&mut scene, "knot", [0.78, 0.33, 0.13], &knot(DVec3::new(0.0, 1.45, 0.0)));
@@ -26,24 +26,24 @@ pub(crate) fn scene() -> Scene {
         add(&mut scene, &format!("ball {}", i + 1), color, &ball);
     }
     scene.camera = Some(SceneCamera {
-        eye: Vec3::new(0.6, 3.9, 7.4),
-        target: Vec3::new(0.1, 0.85, 0.0),
+        eye: Vec3::new(0.4, 4.6, 7.6),
+        target: Vec3::new(0.05, 0.75, 0.15),
         up: Vec3::Y,
         projection: CameraProjection::Perspective { vertical_fov: 36f64.to_radians() as f32 },
     });
     scene.lights = vec![
         SceneLight {
             name: "globe".into(),
-            light: Light::Sphere { center: Vec3::new(-4.2, 4.6, 2.6), radius: 0.35 },
+            light: Light::Sphere { center: Vec3::new(-3.6, 4.8, 2.8), radius: 0.4 },
             color: Vec3::new(1.0, 0.80, 0.58),
             intensity: 30.0,
             spot: None,
         },
         SceneLight {
             name: "tube".into(),
-            light: Light::Linear { a: Vec3::new(4.2, 3.6, -1.6), b: Vec3::new(4.2, 3.6, 1.6) },
+            light: Light::Linear { a: Vec3::new(0.6, 4.6, -3.4), b: Vec3::new(4.6, 4.6, -2.2) },
             color: Vec3::new(0.55, 0.76, 1.0),
-            intensity: 22.0,
+            intensity: 26.0,
             spot: None,
         },
     ];
