@@ -89,6 +89,7 @@ impl Counters {
         self.add("receivers", found.receivers.into());
         self.add("outside the light's maps", found.outside.into());
         self.add("searches", found.searches.into());
+        self.add("interpolated", found.interpolated.into());
         self.add("searches cut by the map's border", found.cut_by_border.into());
         self.add("tiles", found.tiles.into());
         self.add("tiles decided as a whole", found.decided_tiles.into());

@@ -12,6 +12,8 @@ pub struct Counters {
     pub outside: u32,
     /// Searches of the light's map.
     pub searches: u32,
+    /// Pixels whose search was replaced by interpolation.
+    pub interpolated: u32,
     /// Searches whose reach went past the map's border: their penumbra may be cut.
     pub cut_by_border: u32,
     /// Tiles of 16 x 16 pixels.
@@ -22,21 +24,22 @@ pub struct Counters {
 
 /// Counters that bands on several threads add to. Sums do not depend on the order.
 #[derive(Default)]
-pub(crate) struct Tally([AtomicU32; 6]);
+pub(crate) struct Tally([AtomicU32; 7]);
 
 impl Tally {
     pub fn add(&self, counters: &Counters) {
-        let Counters { receivers, outside, searches, cut_by_border, tiles, decided_tiles } =
-            *counters;
-        let counts = [receivers, outside, searches, cut_by_border, tiles, decided_tiles];
+        let Counters { receivers, outside, searches, interpolated, .. } = *counters;
+        let Counters { cut_by_border, tiles, decided_tiles, .. } = *counters;
+        let counts =
+            [receivers, outside, searches, interpolated, cut_by_border, tiles, decided_tiles];
         for (sum, count) in self.0.iter().zip(counts) {
             sum.fetch_add(count, Ordering::Relaxed);
         }
     }
 
     pub fn total(self) -> Counters {
-        let [receivers, outside, searches, cut_by_border, tiles, decided_tiles] =
+        let [receivers, outside, searches, interpolated, cut_by_border, tiles, decided_tiles] =
             self.0.map(AtomicU32::into_inner);
-        Counters { receivers, outside, searches, cut_by_border, tiles, decided_tiles }
+        Counters { receivers, outside, searches, interpolated, cut_by_border, tiles, decided_tiles }
     }
 }

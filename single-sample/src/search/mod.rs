@@ -78,9 +78,9 @@ pub struct Parameters {
 }
 
 impl Default for Parameters {
-    /// A point light, groups of 5 pixels.
+    /// A point light, groups of 5 pixels whose ends differ by a sixteenth at most.
     fn default() -> Self {
-        Parameters { radius: 0.0, group: 4, tolerance: 0.1, bias: Bias::default() }
+        Parameters { radius: 0.0, group: 4, tolerance: 1.0 / 16.0, bias: Bias::default() }
     }
 }
 

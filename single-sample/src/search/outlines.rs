@@ -71,6 +71,7 @@ impl<T: Texel> Work for SearchTile<'_, T> {
         self.outlines.len = 0;
         self.set_keys();
         self.samples.begin(self.grid);
+        let before = self.counters.searches;
         let mut rows = false;
         loop {
             for i in 0..self.samples.wanted().len() {
@@ -80,12 +81,14 @@ impl<T: Texel> Work for SearchTile<'_, T> {
             self.counters.searches += self.samples.wanted().len() as u32;
             if !self.samples.refine(self.grid) {
                 if rows {
-                    return;
+                    break;
                 }
                 rows = true;
                 self.samples.begin_rows(self.grid);
             }
         }
+        let receivers = self.samples.keys.iter().filter(|&&key| key != NO_KEY).count() as u32;
+        self.counters.interpolated += receivers - (self.counters.searches - before);
     }
 }
 
