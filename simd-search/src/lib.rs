@@ -1,9 +1,82 @@
-//! Nearest texel search.
+//! The search of Brabec and Seidel, *Single Sample Soft Shadows using Depth Maps*, Graphics
+//! Interface 2002, sections 3.2 to 4.3: the texel nearest to a receiver that blocks it, or that
+//! does not.
+//!
+//! # The question
+//!
+//! A receiver lies at (u, v) in a light's depth map, between the centres of texels. Its surface is
+//! a plane there ([`LightPoint`](shadowmap_core::LightPoint)). A texel *blocks* if it is nearer to
+//! the light than that plane, compared at the texel's own centre:
+//!
+//! ```text
+//!   . . . . . . . . . . . . .      P  the receiver
+//!   . . . . . . . . # # # # .      #  texels that block it
+//!   . . . . . . . # # # # # .      .  texels that do not
+//!   . . . ( . . ) # # # # # .
+//!   . . (   P---->1 # # # # .      1  the nearest that blocks: the answer
+//!   . . . ( . . ) # # # # # .
+//!   . . . . . . . # # # # # .      its distance is what the penumbra is made of
+//!   . . . . . . . . . . . . .
+//! ```
+//!
+//! A receiver that sees the light's centre asks for the nearest blocker ([`Side::Blocker`], the
+//! outer penumbra); one that does not, for the nearest texel that does not block ([`Side::Lit`], the
+//! inner penumbra). Object IDs can be excluded or required ([`IdTest`]), and what is minimised may
+//! be the distance or its ratio to the width of the penumbra ([`Key`]). Of equals the first in
+//! row-major order is the answer. [`Query::candidate`] is the definition, [`naive::nearest`] asks
+//! it of every texel in reach, and every other path gives the same texel with the same bits.
+//!
+//! # How not to ask every texel
+//!
+//! Most receivers are far from any shadow, and for them the naive search is slowest: it sees the
+//! whole window to find nothing. So the map is covered with boxes, 16 x 8 texels at the bottom, 4 x
+//! 4 boxes in each larger one. Of each box we know a plane that no texel rises above, and one that
+//! none falls below. Nearness is affine in the image for every flat surface, hence a floor
+//! under a tilted light has a bound as flat as the floor itself:
+//!
+//! ```text
+//!   nearness                           bounds by least and greatest alone would
+//!     ^        ____ upper plane        say that part of the floor may be above P
+//!     |   ____/_.-'
+//!     |  /_.-'-'____ the floor
+//!     | -'____/ lower plane
+//!     +-----------------------> x
+//! ```
+//!
+//! Two planes differ most at the corners of a box. So one comparison per box says "nothing in here
+//! blocks" or "all of this blocks", and a box that is farther away than the best answer so far
+//! is passed over as well. Sixteen sibling boxes are compared at once, one per lane.
+//!
+//! Neighbours find nearly the same texel, and two more things follow:
+//!
+//! * The neighbour's hit is asked first, and bounds the search ([`Query::hint`]).
+//! * [`Pyramid::nearest_each`] goes down the pyramid once for a block of receivers, with a plane
+//!   that is below all of theirs, and lists the tiles that can matter to any of them.
+//!   [`Pyramid::classify`] tells only whether there are such tiles.
+//!
+//! None of this changes an answer. Distances are computed for a box as for its texels, with
+//! operations that are monotone in spite of rounding; bounds on nearness have room for all the
+//! rounding there is.
+//!
+//! # Differences to the paper
+//!
+//! * The paper compares with the receiver's depth, a layer parallel to the map. Here the layer is
+//!   the receiver's plane; [`LightPoint::flat`](shadowmap_core::LightPoint::flat) is the paper's.
+//! * The paper's box has no pyramid and finds the nearest texel of the box; here a texel beyond the
+//!   radius does not count.
+//!
+//! # Features
+//!
+//! | feature | default | meaning |
+//! |---|---|---|
+//! | `std` | yes | SIMD levels are detected at run time |
+//! | `libm` | no | mathematics for targets without `std`; one of the two is needed |
+//!
+//! A query allocates nothing, and the crate never does: a pyramid's storage is the caller's.
 #![no_std]
 #![deny(unsafe_code)]
 // Lanes are numbered: what a loop does to several arrays at once, a vector does.
 #![allow(clippy::needless_range_loop)]
-
 mod batch;
 mod build;
 mod classify;
@@ -38,3 +111,8 @@ pub fn nearest<'a>(level: Level, map: impl Into<Map<'a>>, query: &Query) -> Opti
     run(level, Job::InBox { map: map.into(), query, hit: &mut hit });
     hit
 }
+
+/// The README's example is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
