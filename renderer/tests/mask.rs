@@ -69,8 +69,9 @@ fn a_board_in_front_of_a_wall_shades_half_of_it() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mask = floats(&folder.path().join("mask.npy"));
     // The penumbra's radius: 32 texels per tangent, times 0.5 m, times 1/2 - 1/4.
-    let row = &mask[32 * 64..33 * 64];
-    assert_eq!((row[27], row[36]), (1.0, 0.0), "{row:?}");
+    // The board ends where the map does: beyond, nothing is known, so look at its inner half.
+    let row = &mask[32 * 64..][..48];
+    assert_eq!((row[24], row[36]), (1.0, 0.0), "{row:?}");
     assert!((row[31] + row[32] - 1.0).abs() < 0.02, "both sides of the edge: {row:?}");
     assert!(row.windows(2).all(|pair| pair[1] <= pair[0]), "monotone: {row:?}");
 }
