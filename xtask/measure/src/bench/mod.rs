@@ -1,9 +1,11 @@
 //! `cargo xtask bench`: times every stage, checked first, variants in turn.
 
+mod frame;
 mod harness;
 mod machine;
 mod options;
 mod raster;
+mod readme;
 mod report;
 
 pub use harness::{Bench, Group, Variant};
@@ -16,7 +18,7 @@ use options::Options;
 type Part = (&'static str, fn(&mut Bench));
 
 /// One part per stage, in the order of the data.
-const PARTS: &[Part] = &[("raster", raster::run)];
+const PARTS: &[Part] = &[("raster", raster::run), ("frame", frame::run)];
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {

@@ -12,6 +12,8 @@ pub struct Options {
     pub folder: PathBuf,
     /// Earlier results to compare with.
     pub compare: Option<PathBuf>,
+    /// Whether to write the README's speed table.
+    pub readme: bool,
 }
 
 impl Options {
@@ -26,6 +28,7 @@ impl Options {
             quick: false,
             folder: PathBuf::from("target/bench"),
             compare: None,
+            readme: false,
         };
         let mut rest = arguments.iter();
         while let Some(argument) = rest.next() {
@@ -34,6 +37,7 @@ impl Options {
             };
             match argument.as_str() {
                 "--quick" => options.quick = true,
+                "--readme" => options.readme = true,
                 "--out" => options.folder = value()?,
                 "--compare" => options.compare = Some(value()?),
                 part if parts.contains(&part) => options.parts.push(part.to_owned()),
@@ -56,7 +60,8 @@ Parts: {}
 
   --quick            fewer sizes and rounds, under 90 s
   --out DIR          where bench.json and bench.html go (target/bench)
-  --compare FILE     an earlier bench.json: shows what changed",
+  --compare FILE     an earlier bench.json: shows what changed
+  --readme           writes the README's speed table from the part `frame`",
         parts.join(", ")
     )
 }

@@ -1,9 +1,11 @@
 //! Results as a table, as JSON and as a page.
 
 use std::fs;
+use std::path::Path;
 
 use super::harness::Results;
 use super::options::Options;
+use super::readme;
 
 /// Prints the table and writes `bench.json` into the folder of the options.
 ///
@@ -23,6 +25,11 @@ pub fn write(results: &Results, options: &Options) -> Result<(), String> {
     let json = serde_json::to_string_pretty(results).expect("results are plain data");
     fs::write(&path, json).map_err(|e| format!("{}: {e}", path.display()))?;
     println!("\nwritten: {}", path.display());
+    if options.readme {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
+        readme::write(results, &root)?;
+        println!("written: the speed table of README.md");
+    }
     Ok(())
 }
 

@@ -1,0 +1,85 @@
+//! Whole frames of the papers' set-ups: camera pass, light maps, shadows and shading, everything
+//! anew, on one thread and on two.
+
+use renderer::builtin;
+use renderer::camera::{CameraOptions, choose, view};
+use renderer::frame::{Frame, Goal, Shot};
+use renderer::lighting::{LightJob, LightOptions};
+use renderer::method::Method;
+use renderer::prepared::Prepared;
+use shadowmap_core::{Level, Light, Threads};
+
+use super::{Bench, Group, Variant};
+
+/// Scene, method, side of the map, samples.
+type Setup = (&'static str, Method, u32, u32);
+
+/// A camera of 512 x 512 pixels, as in both papers.
+const SETUPS: [Setup; 6] = [
+    ("torus", Method::Search, 256, 1),
+    ("torus", Method::Search, 1024, 1),
+    ("crowded", Method::Search, 256, 1),
+    ("torus", Method::Skins, 512, 3),
+    ("torus", Method::Intervals, 1024, 2),
+    ("crowded", Method::Intervals, 1024, 2),
+];
+
+/// Runs the part.
+pub fn run(bench: &mut Bench) {
+    for setup in SETUPS {
+        frame(bench, setup, 512);
+    }
+    let sides: &[u32] = if bench.quick() { &[] } else { &[1024, 2048, 4096] };
+    for &side in sides {
+        frame(bench, ("torus", Method::Search, side, 1), side);
+    }
+}
+
+fn frame(bench: &mut Bench, (name, method, map_size, samples): Setup, side: u32) {
+    let scene = builtin::scene(name).expect("a built-in scene");
+    let prepared = Prepared::new(&scene);
+    let linear = matches!(method, Method::Skins | Method::Intervals);
+    let suits = |light: &Light| matches!(light, Light::Linear { .. }) == linear;
+    let light = scene.lights.iter().find(|light| suits(&light.light)).expect("both kinds");
+    let samples = (samples > 1).then_some(samples);
+    let options =
+        LightOptions { method: Some(method), samples, map_size, ..LightOptions::default() };
+    let job = LightJob::new(light, &options, &prepared).expect("the method knows the light");
+    let jobs = [job];
+    let camera = choose(&scene, &CameraOptions::default()).expect("built-in scenes have cameras");
+    let camera = view(&camera, [side, side], prepared.bounds());
+    let shot = Shot {
+        prepared: &prepared,
+        camera: &camera,
+        aa: 1,
+        lights: &jobs,
+        tracer: None,
+        goal: Goal::Srgb,
+    };
+    let mut plain = Frame::new(Level::SCALAR, Threads::One);
+    plain.render(&shot);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    let variants = [Threads::One, Threads::Pool].map(|threads| {
+        let mut frame = Frame::new(Level::detect(), threads);
+        let pool = &pool;
+        let shot = &shot;
+        let mut draw = move || match threads {
+            Threads::One => frame.render(shot),
+            Threads::Pool => pool.install(|| frame.render(shot)),
+        };
+        draw();
+        let name = if threads == Threads::One { "1 thread" } else { "2 threads" };
+        (name, draw)
+    });
+    // One frame of the widest level must be the plain one's, to the bit.
+    let mut fast = Frame::new(Level::detect(), Threads::One);
+    fast.render(&shot);
+    assert!(fast.srgb() == plain.srgb(), "{name} {method} differs between levels");
+    bench.compare(Group {
+        name: format!("{name}, {method}, camera {side}², map {map_size}²"),
+        x: Some(f64::from(side)),
+        work: Some((1.0, "frames")),
+        bytes: None,
+        variants: variants.into_iter().map(|(name, draw)| Variant::new(name, draw)).collect(),
+    });
+}
