@@ -90,18 +90,14 @@ pub fn failures(effort: &Effort) -> Section {
         h3 { "And in words" }
         ul {
             li {
-                "Triangle and rectangle lights have no method of their own: point lights, or three "
-                "linear lights along the edges of a triangle (figure 8 of 2000)."
-            }
-            li {
                 "Depth maps see cut-out surfaces, not half-transparent ones: what is more than half "
                 "opaque blocks all light."
             }
             li {
-                "Scenes of few triangles are cheap to trace: under one plate, rays beat every map in "
-                "the plots above. Maps win where there are many triangles or where they move, "
-                "since nothing is built but the maps; the time to build the ray tracer’s hierarchy "
-                "is not in the plots."
+                "Scenes of few triangles are cheap to trace, and more rays cost little there: for "
+                "errors below what the maps resolve, rays are the faster way in the plots above. "
+                "Maps win where there are many triangles or where they move; the time to build "
+                "the ray tracer’s hierarchy is not in the plots."
             }
             li {
                 "The ray tracer is this workspace’s own, in double precision, one pyramid of rays per "
