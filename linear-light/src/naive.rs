@@ -14,12 +14,12 @@ use crate::{Discontinuity, EdgeFilter, Transition};
 /// that hide it.
 fn texel(row: &SpanRow<'_>, i: usize) -> f32 {
     let pairs = 0..row.to.len().saturating_sub(1);
-    let skins = pairs.filter_map(|x| skin(row, x, i));
-    match row.side {
-        Side::Left => skins.last(),
-        Side::Right => skins.take(1).last(),
-    }
-    .unwrap_or(1.0)
+    let mut skins = pairs.filter_map(|x| skin(row, x, i));
+    let nearest = match row.side {
+        Side::Left => skins.next_back(),
+        Side::Right => skins.next(),
+    };
+    nearest.unwrap_or(1.0)
 }
 
 /// What the skin between columns `x` and `x + 1` of the source says of texel `i`, if it hides it.
