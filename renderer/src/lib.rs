@@ -1,4 +1,38 @@
-//! Pictures.
+//! From a scene to a picture with soft shadows, without a GPU: the library behind the program
+//! `penumbra`.
+//!
+//! Data flows in one direction, and each stage is a module:
+//!
+//! 1. [`scene`]: triangles, materials, lights and a camera; from a file or from [`builtin`].
+//! 2. [`prepared`]: the tables that every frame looks things up in.
+//! 3. [`camera`] and [`lighting`]: where the picture is taken from, which method draws each light,
+//!    and where its depth maps are taken from ([`light_views`]).
+//! 4. [`frame`]: the camera's pass, the depth maps, the visibility of every light from every
+//!    pixel, and the picture ([`shade`]). A [`frame::Frame`] keeps its memory from frame to frame.
+//!
+//! The number of threads and the SIMD level never change a bit of a result.
+//!
+//! ```
+//! use renderer::camera::{CameraOptions, choose, view};
+//! use renderer::frame::{Frame, Goal, Shot};
+//! use renderer::lighting::{LightJob, LightOptions};
+//! use renderer::prepared::Prepared;
+//! use shadowmap_core::{Level, Threads};
+//!
+//! let scene = renderer::builtin::scene("torus").unwrap();
+//! let prepared = Prepared::new(&scene);
+//! let camera = choose(&scene, &CameraOptions::default())?;
+//! let view = view(&camera, [64, 64], prepared.bounds());
+//! let options = LightOptions { map_size: 128, ..LightOptions::default() };
+//! let light = LightJob::new(&scene.lights[0], &options, &prepared)?;
+//!
+//! let mut frame = Frame::new(Level::detect(), Threads::One);
+//! let (lights, aa, tracer) = (&[light], 1, None);
+//! let (prepared, camera, goal) = (&prepared, &view, Goal::Srgb);
+//! frame.render(&Shot { prepared, camera, aa, lights, tracer, goal });
+//! assert_eq!(frame.srgb().len(), 64 * 64 * 3);
+//! # Ok::<(), renderer::Error>(())
+//! ```
 #![deny(unsafe_code)]
 
 pub mod builtin;
