@@ -109,7 +109,7 @@ pub struct RenderArgs {
     /// How shadows are found. By default the best for each light.
     ///
     /// search         point, sphere, sun: one map (Brabec and Seidel 2002), any number of edges
-    /// intervals      linear: all that --samples maps know of the light
+    /// intervals      linear, triangle, rect: all that maps from both ends know of the light
     /// skins          linear: --samples maps (Heidrich, Brabec and Seidel 2000)
     /// hard           one shadow map from the light's middle (Williams 1978)
     /// point-samples  --samples hard maps, averaged: the papers' baseline
@@ -124,8 +124,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "1024")]
     pub map_size: String,
 
-    /// Samples of the light: maps of intervals and skins (2 or more, by default 3) and of
-    /// point-samples (16), rays per pixel of ray-traced (256).
+    /// Samples of the light: maps of intervals and skins (2 or more, by default 3), lines of
+    /// intervals across a triangle or rect (8), maps of point-samples (16), rays per pixel of
+    /// ray-traced (256).
     #[arg(long, value_name = "N")]
     pub samples: Option<String>,
 

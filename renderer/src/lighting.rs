@@ -1,7 +1,7 @@
 //! The lights of a frame: which method draws each, and from where its maps are taken.
 
 use glam::Vec3;
-use linear_light::RectifiedLight;
+use linear_light::{RectifiedLight, lines};
 use reference::point_lights;
 use shadowmap_core::{Light, View};
 use single_sample::paper;
@@ -14,6 +14,12 @@ use crate::scene::SceneLight;
 
 /// Samples of a linear light, unless told otherwise.
 const LINE_SAMPLES: u32 = 3;
+
+/// Lines of a light with an area, unless told otherwise.
+const LINES: u32 = 8;
+
+/// Samples of each of those lines: intervals need no more.
+const SAMPLES_PER_LINE: usize = 2;
 
 /// Samples of the methods that take point samples, unless told otherwise.
 const POINT_SAMPLES: u32 = 16;
@@ -43,8 +49,8 @@ pub enum Plan {
     Middle(Vec<View>),
     /// For each of its points, the views from there.
     Points(Vec<Vec<View>>),
-    /// The rectified views along it.
-    Line(RectifiedLight),
+    /// The rectified views along each of the lines that stand for it, and the line's weight.
+    Lines(Vec<(f32, RectifiedLight)>),
     /// It needs none.
     Rays,
 }
@@ -56,7 +62,7 @@ impl Plan {
         match self {
             Plan::Middle(views) => views,
             Plan::Points(samples) => samples.first().map_or(&[], Vec::as_slice),
-            Plan::Line(light) => light.frusta()[0].views(),
+            Plan::Lines(lines) => lines.first().map_or(&[], |(_, line)| line.frusta()[0].views()),
             Plan::Rays => &[],
         }
     }
@@ -99,7 +105,9 @@ impl LightJob {
                 names.join(", ")
             )));
         }
+        let has_area = matches!(shape, Light::Triangle { .. } | Light::Rectangle { .. });
         let samples = match (method, options.samples) {
+            (Method::Intervals, samples) if has_area => samples.unwrap_or(LINES),
             (Method::Skins | Method::Intervals, Some(1)) => {
                 return Err(Error::new(format_args!(
                     "--samples 1: --method {method} needs one at either end of the light, 2 at least"
@@ -121,22 +129,18 @@ impl LightJob {
                 let points = point_lights(shape, samples, middle);
                 Plan::Points(points.iter().map(views).collect())
             }
-            (Method::Skins | Method::Intervals, Light::Linear { a, b }) => {
-                let samples = samples as usize;
-                Plan::Line(match options.by_hand {
-                    Some(by_hand) => RectifiedLight::from_frustum(by_hand_line(
-                        a,
-                        b,
-                        samples,
-                        by_hand,
-                        size,
-                        prepared.hull(),
-                    )),
-                    None => {
-                        let points = prepared.hull().iter().copied();
-                        RectifiedLight::fit(a, b, samples, [size, size], points)
+            (Method::Skins | Method::Intervals, _) => {
+                let count = if has_area { SAMPLES_PER_LINE } else { samples as usize };
+                let hull = prepared.hull();
+                let rectified = |a, b| match options.by_hand {
+                    Some(by_hand) => {
+                        RectifiedLight::from_frustum(by_hand_line(a, b, count, by_hand, size, hull))
                     }
-                })
+                    None => RectifiedLight::fit(a, b, count, [size, size], hull.iter().copied()),
+                };
+                let lines = lines(shape, samples as usize).unwrap_or_default();
+                let weighted = lines.iter().map(|line| (line.weight, rectified(line.a, line.b)));
+                Plan::Lines(weighted.collect())
             }
             _ => Plan::Middle(views(shape)),
         };

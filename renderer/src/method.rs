@@ -78,7 +78,11 @@ impl Method {
         match self {
             Method::Hard | Method::PointSamples | Method::RayTraced => true,
             Method::Search | Method::SearchPaper | Method::Pcf => round,
-            Method::Skins | Method::Intervals => matches!(light, Light::Linear { .. }),
+            Method::Skins => matches!(light, Light::Linear { .. }),
+            Method::Intervals => matches!(
+                light,
+                Light::Linear { .. } | Light::Triangle { .. } | Light::Rectangle { .. }
+            ),
             Method::Pcss => round && !matches!(light, Light::Point { .. }),
         }
     }
@@ -88,7 +92,9 @@ impl Method {
     pub fn default_for(light: &Light) -> Method {
         match light {
             Light::Point { .. } | Light::Sphere { .. } | Light::Sun { .. } => Method::Search,
-            Light::Linear { .. } => Method::Intervals,
+            Light::Linear { .. } | Light::Triangle { .. } | Light::Rectangle { .. } => {
+                Method::Intervals
+            }
             _ => Method::PointSamples,
         }
     }

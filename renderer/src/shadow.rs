@@ -140,13 +140,32 @@ impl ShadowStage {
                 }
                 self.sample = sample;
             }
-            Plan::Line(rectified) => {
-                let groups: Vec<_> = rectified.frusta().iter().map(|f| f.views()).collect();
-                self.draw_maps(drawing, scene.prepared, &groups, log);
-                match light.method {
-                    Method::Skins => self.by_skins(&scene.camera, rectified, log, out),
-                    _ => self.by_intervals(&scene.camera, rectified, log, out),
+            Plan::Lines(lines) => {
+                let mut sum = std::mem::take(&mut self.sample);
+                sum.clear();
+                sum.resize(out.len(), 0.0);
+                for (weight, line) in lines {
+                    let groups: Vec<_> = line.frusta().iter().map(|f| f.views()).collect();
+                    self.draw_maps(drawing, scene.prepared, &groups, log);
+                    match light.method {
+                        Method::Skins => self.by_skins(&scene.camera, line, log, out),
+                        _ => self.by_intervals(&scene.camera, line, log, out),
+                    }
+                    if lines.len() > 1 {
+                        timed(&mut log.times.shadow, || {
+                            for (sum, out) in sum.iter_mut().zip(&*out) {
+                                *sum += weight * *out;
+                            }
+                        });
+                    }
                 }
+                if lines.len() > 1 {
+                    // The weights add up to 1 only as far as rounding lets them.
+                    for (out, sum) in out.iter_mut().zip(&sum) {
+                        *out = sum.min(1.0);
+                    }
+                }
+                self.sample = sum;
             }
             Plan::Rays => self.by_rays(scene, light, log, out),
         }
