@@ -76,23 +76,20 @@ pub(crate) struct Field<'a, T> {
     pub height: i32,
 }
 
-/// Which texels block: those above a receiver's plane and nearer than it. For several receivers at
-/// once, what all of their planes lie between, and the range of their nearness.
+/// Which texels block a receiver: those above its plane ([`Receiver::above`]) and nearer than it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Test {
     pub hu: f32,
     pub hv: f32,
     pub hn: f32,
-    /// The least and the greatest [`Receiver::above`].
-    pub above: [f32; 2],
-    /// The least and the greatest nearness.
-    pub nearness: [f32; 2],
+    pub above: f32,
+    pub nearness: f32,
 }
 
 impl Test {
     pub fn of(receiver: &Receiver) -> Test {
         let Receiver { hu, hv, hn, above, nearness, .. } = *receiver;
-        Test { hu, hv, hn, above: [above; 2], nearness: [nearness; 2] }
+        Test { hu, hv, hn, above, nearness }
     }
 }
 

@@ -35,39 +35,43 @@ pub(crate) enum Outcome {
 pub(crate) const STRIP: i32 = 48;
 
 /// Adds the outline within `places`, no more than [`STRIP`] columns and a block's rows, to
-/// `segments`.
+/// `segments`: that of the texels which pass `test`. If some that do not pass `doubt`, the
+/// attempt ends.
 #[inline(always)]
 pub(crate) fn outline<T: Texel>(
     ops: &impl Ops,
     field: &Field<'_, T>,
     test: &Test,
+    doubt: Option<&Test>,
     places: Places,
     segments: &mut Segments,
 ) -> Outcome {
     let [left, right] = places.columns;
     let [top, bottom] = places.rows;
     let (columns, rows) = (right - left, (bottom - top) as usize);
-    let mut room = [LANE; BLOCK_ROWS];
-    let mut disputed = 0;
-    let mut all = [0_u64; BLOCK_ROWS];
     // Places reach to the texel after them.
     let used = u64::MAX >> (63 - columns);
+    let mut room = [LANE; BLOCK_ROWS];
+    let mut blocking = [0_u64; BLOCK_ROWS];
     let mut x = 0;
     while x <= columns {
         let block = field.block(left + x, top, &mut room);
-        let [some, every] = ops.blocking(test, &block);
+        let found = ops.blocking(test, &block);
         for y in 0..BLOCK_ROWS {
-            all[y] |= u64::from(every[y]) << x;
-            let differs = u64::from(some[y] ^ every[y]) << x & used;
-            disputed |= if y <= rows { differs } else { 0 };
+            blocking[y] |= u64::from(found[y]) << x;
+        }
+        if let Some(doubt) = doubt {
+            let sure = ops.blocking(doubt, &block);
+            for y in 0..=rows {
+                if u64::from(found[y] ^ sure[y]) << x & used != 0 {
+                    return Outcome::Ambiguous;
+                }
+            }
         }
         x += BLOCK_COLUMNS as i32;
     }
-    if disputed != 0 {
-        return Outcome::Ambiguous;
-    }
     for y in 0..rows {
-        let (upper, lower) = (all[y], all[y + 1]);
+        let (upper, lower) = (blocking[y], blocking[y + 1]);
         let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
         let mut places = differs & used >> 1;
         while places != 0 {

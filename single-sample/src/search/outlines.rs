@@ -154,7 +154,7 @@ impl<T: Texel> SearchTile<'_, T> {
                     total = total.wrapping_add(sum(receiver, segments));
                     segments.len = 0;
                 }
-                outline(ops, self.field, &test, places, segments);
+                outline(ops, self.field, &test, None, places, segments);
             }
         }
         segments.pad();
@@ -193,8 +193,9 @@ impl<T: Texel> SearchTile<'_, T> {
         // Planes may differ in their direction, too, by what `is_on_plane_of` tolerates.
         let room = receiver.plane_room(size);
         let Receiver { hu, hv, hn, .. } = *receiver;
-        let above = [above[0] - room, above[1] + room];
-        let test = Test { hu, hv, hn, above, nearness: extent.nearness };
+        let [least, most] = extent.nearness;
+        let some = Test { hu, hv, hn, above: above[0] - room, nearness: least };
+        let all = Test { above: above[1] + room, nearness: most, ..some };
         shared.plane = *receiver;
         shared.segments.len = 0;
         let leaf_test = LeafTest::new(self.geometry, &extent, receiver, margin(receiver) - room);
@@ -206,7 +207,8 @@ impl<T: Texel> SearchTile<'_, T> {
             }
             for places in leaves.boxes(part, STRIP) {
                 if outcome == Outcome::Complete {
-                    outcome = outline(ops, self.field, &test, places, &mut shared.segments);
+                    outcome =
+                        outline(ops, self.field, &some, Some(&all), places, &mut shared.segments);
                 }
             }
         }

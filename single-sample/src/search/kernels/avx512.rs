@@ -17,20 +17,18 @@ pub(crate) fn run(work: impl Work) {
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 #[inline]
-fn blocking(test: &Test, block: &Block<'_>) -> [Bits; 2] {
+fn blocking(test: &Test, block: &Block<'_>) -> Bits {
     let all = |value: f32| _mm512_set1_ps(value);
     let along = _mm512_mul_ps(all(test.hu), _mm512_add_ps(all(block.first[0]), cast(LANE)));
-    let mut found = [[0; BLOCK_ROWS]; 2];
+    let mut found = [0; BLOCK_ROWS];
     for (y, row) in block.rows.iter().enumerate() {
         let t = block.first[1] + y as f32;
         let texels: __m512 = cast(**row);
         let height = _mm512_mul_ps(all(test.hn), texels);
-        for k in 0..2 {
-            let plane = _mm512_sub_ps(all(test.above[k] - test.hv * t), along);
-            let is_above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(height, plane);
-            let least = all(test.nearness[k]);
-            found[k][y] = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(is_above, texels, least);
-        }
+        let plane = _mm512_sub_ps(all(test.above - test.hv * t), along);
+        let is_above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(height, plane);
+        let least = all(test.nearness);
+        found[y] = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(is_above, texels, least);
     }
     found
 }

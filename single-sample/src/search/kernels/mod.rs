@@ -17,18 +17,18 @@ mod sse41;
 /// A bit per texel of a block, row by row: texel i of a row is bit i.
 pub(crate) type Bits = [u16; BLOCK_ROWS];
 
-/// Which of the texels of a block block some, and which all of a test's receivers.
+/// Which of the texels of a block pass a test.
 ///
 /// Each instruction set makes a closure inside a function with its target features: closures
 /// have the features of the function they are made in, and everything between is
 /// `#[inline(always)]`.
 pub(crate) trait Ops {
-    fn blocking(&self, test: &Test, block: &Block<'_>) -> [Bits; 2];
+    fn blocking(&self, test: &Test, block: &Block<'_>) -> Bits;
 }
 
-impl<F: Fn(&Test, &Block<'_>) -> [Bits; 2]> Ops for F {
+impl<F: Fn(&Test, &Block<'_>) -> Bits> Ops for F {
     #[inline(always)]
-    fn blocking(&self, test: &Test, block: &Block<'_>) -> [Bits; 2] {
+    fn blocking(&self, test: &Test, block: &Block<'_>) -> Bits {
         self(test, block)
     }
 }
@@ -59,17 +59,14 @@ pub(crate) fn run(level: Level, work: impl Work) {
 
 /// The operation in plain Rust: what all others equal bit for bit.
 #[inline(always)]
-fn plain(test: &Test, block: &Block<'_>) -> [Bits; 2] {
-    let mut found = [[0; BLOCK_ROWS]; 2];
+fn plain(test: &Test, block: &Block<'_>) -> Bits {
+    let mut found = [0; BLOCK_ROWS];
     for (y, texels) in block.rows.iter().enumerate() {
-        let t = block.first[1] + y as f32;
-        for k in 0..2 {
-            let row = test.above[k] - test.hv * t;
-            for (i, &nearness) in texels.iter().enumerate() {
-                let along = test.hu * (block.first[0] + i as f32);
-                let blocks = (test.hn * nearness > row - along) & (nearness > test.nearness[k]);
-                found[k][y] |= u16::from(blocks) << i;
-            }
+        let row = test.above - test.hv * (block.first[1] + y as f32);
+        for (i, &nearness) in texels.iter().enumerate() {
+            let along = test.hu * (block.first[0] + i as f32);
+            let blocks = (test.hn * nearness > row - along) & (nearness > test.nearness);
+            found[y] |= u16::from(blocks) << i;
         }
     }
     found

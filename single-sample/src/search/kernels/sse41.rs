@@ -17,25 +17,21 @@ pub(crate) fn run(work: impl Work) {
 
 #[target_feature(enable = "sse4.1")]
 #[inline]
-fn blocking(test: &Test, block: &Block<'_>) -> [Bits; 2] {
+fn blocking(test: &Test, block: &Block<'_>) -> Bits {
     let all = |value: f32| _mm_set1_ps(value);
     let lanes: [__m128; 4] = cast(LANE);
     let along = lanes.map(|lane| _mm_mul_ps(all(test.hu), _mm_add_ps(all(block.first[0]), lane)));
-    let mut found = [[0; BLOCK_ROWS]; 2];
+    let mut found = [0; BLOCK_ROWS];
     for (y, row) in block.rows.iter().enumerate() {
-        let t = block.first[1] + y as f32;
         let texels: [__m128; 4] = cast(**row);
-        for k in 0..2 {
-            let row = all(test.above[k] - test.hv * t);
-            let least = all(test.nearness[k]);
-            for part in 0..4 {
-                let height = _mm_mul_ps(all(test.hn), texels[part]);
-                let plane = _mm_sub_ps(row, along[part]);
-                let is_above = _mm_cmpgt_ps(height, plane);
-                let nearer = _mm_cmpgt_ps(texels[part], least);
-                let bits = _mm_movemask_ps(_mm_and_ps(is_above, nearer));
-                found[k][y] |= (bits as u16) << (4 * part);
-            }
+        let row = all(test.above - test.hv * (block.first[1] + y as f32));
+        for part in 0..4 {
+            let height = _mm_mul_ps(all(test.hn), texels[part]);
+            let plane = _mm_sub_ps(row, along[part]);
+            let is_above = _mm_cmpgt_ps(height, plane);
+            let nearer = _mm_cmpgt_ps(texels[part], all(test.nearness));
+            let bits = _mm_movemask_ps(_mm_and_ps(is_above, nearer));
+            found[y] |= (bits as u16) << (4 * part);
         }
     }
     found
