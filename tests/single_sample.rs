@@ -207,33 +207,3 @@ fn penumbra_of_a_straight_edge_is_smooth_and_monotone() {
     let bends = steps.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     assert!(bends.fold(0.0, f32::max) < 0.0005, "a ring");
 }
-
-#[test]
-#[ignore = "prints the figures at full size"]
-fn figures() {
-    for (name, radius) in
-        [("blocker", 0.5), ("torus", 0.5), ("torus", 0.1), ("crowded", 0.5), ("grille", 0.3)]
-    {
-        let shot = Shot::new(name, radius, 512, 1024);
-        let (mask, counters) = shot.default_search();
-        println!("{name}, R = {radius}: {:?} {counters:?}", shot.error(&mask));
-        let full = search::Parameters { group: 1, ..search::Parameters::of(&shot.light).unwrap() };
-        let (mask, _) = shot.search(Level::detect(), Threads::Pool, &full);
-        println!("    every pixel searched: {:?}", shot.error(&mask));
-        let small = Shot::new(name, radius, 512, 256);
-        let mut mask = vec![0.0; mask.len()];
-        small.with(|camera, light| {
-            let parameters = paper::Parameters::default();
-            paper::visibility(camera, light, &parameters, Threads::Pool, &mut mask)
-        });
-        println!("    the paper's parameters, map 256: {:?}", shot.error(&mask));
-    }
-    let shot = Shot::new("crowded", 0.5, 1024, 1024);
-    let adaptive = search::Parameters::of(&shot.light).unwrap();
-    let full = search::Parameters { group: 1, ..adaptive };
-    let (all, every) = shot.search::<f32>(Level::detect(), Threads::Pool, &full);
-    let (some, fewer) = shot.search::<f32>(Level::detect(), Threads::Pool, &adaptive);
-    let squares = all.iter().zip(&some).map(|(a, b)| f64::from(a - b).powi(2));
-    let rmse = (squares.sum::<f64>() / all.len() as f64).sqrt();
-    println!("crowded, 1024: {} of {} searches, rmse {rmse:.5}", fewer.searches, every.searches);
-}
