@@ -11,7 +11,7 @@ use renderer::scene::Scene;
 use renderer::{builtin, camera, light_views};
 use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
 use simd_search::{NodeGroup, Pyramid};
-use single_sample::{Counters, LightMap, Texels, Visibility, paper, search};
+use single_sample::{Counters, LightMap, Texels, Visibility, search};
 
 /// A built-in scene with a camera's image and one map of a spherical light.
 struct Shot {
