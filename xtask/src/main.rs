@@ -17,7 +17,7 @@ cargo xtask <command> [options]
   compare A B [options]      compare two pictures
   bench [options]            time every stage; table, JSON and HTML in target/bench
   figures [options]          redraw the papers' figures as one report in target/figures
-  ci [--full]                everything that the hosted checks run
+  ci                         everything that the hosted checks run
   cross [--full]             build and test for other targets
   verify [--here]            the same bits at every SIMD level, thread count and target
 
