@@ -15,12 +15,11 @@ pub(crate) struct Bounds {
     pub high: f32,
 }
 
-/// What is measured of the texels of a leaf: the range of nearness, and the range of what remains
-/// of it once a plane is subtracted. NaN is left out.
+/// What is measured of the texels of a leaf: the range of nearness minus a plane, NaN left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ranges {
-    pub flat: [f32; 2],
-    pub planar: [f32; 2],
+    pub low: f32,
+    pub high: f32,
     /// Whether there is a NaN.
     pub nan: bool,
 }
@@ -39,15 +38,13 @@ impl Bounds {
     /// Bounds of nothing.
     const NONE: Bounds = Bounds { slope: [0.0; 2], low: f32::INFINITY, high: f32::NEG_INFINITY };
 
-    /// The narrower of a flat and a planar range, with room for rounding.
+    /// A range above a plane, with room for rounding. `half` is the size of what it bounds.
     #[inline(always)]
-    fn choose(flat: [f32; 2], planar: [f32; 2], slope: [f32; 2], half: [f32; 2]) -> Bounds {
-        let narrower = planar[1] - planar[0] < flat[1] - flat[0];
-        let ([low, high], slope) = if narrower { (planar, slope) } else { (flat, [0.0; 2]) };
+    fn new(slope: [f32; 2], [low, high]: [f32; 2], half: [f32; 2]) -> Bounds {
         let steep = slope[0].abs() * half[0] + slope[1].abs() * half[1];
-        // Infinities stay what they are.
+        // Infinities stay what they are. Adding 0 last makes every zero positive, whichever came
+        // first.
         let room = |bound: f32| if bound.is_finite() { ROOM * (bound.abs() + steep) } else { 0.0 };
-        // Adding 0 last makes every zero positive, whichever came first.
         Bounds { slope, low: (low - room(low)) + 0.0, high: (high + room(high)) + 0.0 }
     }
 
@@ -134,11 +131,8 @@ fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32) 
         } else {
             ranges(map, left, top, columns, rows, slope)
         };
-        let mut bounds = Bounds::choose(ranges.flat, ranges.planar, slope, FIRST.map(f32::abs));
-        if ranges.nan {
-            bounds.low = f32::NEG_INFINITY;
-        }
-        bounds.store(group, lane);
+        let low = if ranges.nan { f32::NEG_INFINITY } else { ranges.low };
+        Bounds::new(slope, [low, ranges.high], FIRST.map(f32::abs)).store(group, lane);
     }
 }
 
@@ -152,15 +146,25 @@ fn leaf_box(map: &Map<'_>, x: u32, y: u32, lane: usize) -> (u32, u32, u32, u32) 
     (left as u32, top as u32, columns as u32, rows as u32)
 }
 
-/// The slope along the middle row and column of a leaf; 0 if that is not a number.
+/// The slope along the middle row and column of a leaf.
 #[inline(always)]
 fn leaf_slope(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32) -> [f32; 2] {
-    let (middle_x, middle_y) = (left + columns / 2, top + rows / 2);
-    let (right, bottom) = (left + columns - 1, top + rows - 1);
-    let across = map.nearness(right, middle_y) - map.nearness(left, middle_y);
-    let down = map.nearness(middle_x, bottom) - map.nearness(middle_x, top);
-    let slope = [across / (columns.max(2) - 1) as f32, down / (rows.max(2) - 1) as f32];
-    if slope[0].abs() + slope[1].abs() < STEEPEST { slope } else { [0.0; 2] }
+    let (x, y) = (columns / 2, rows / 2);
+    let middle = map.nearness(left + x, top + y);
+    let along_x = [map.nearness(left, top + y), map.nearness(left + columns - 1, top + y)];
+    let along_y = [map.nearness(left + x, top), map.nearness(left + x, top + rows - 1)];
+    [slope_along(along_x, middle, x, columns - 1), slope_along(along_y, middle, y, rows - 1)]
+}
+
+/// The slope from the first to the last texel of a line, if both of its halves roughly have it.
+/// Else there is an edge, or no slope to speak of, and bounds are better flat.
+#[inline(always)]
+fn slope_along([first, last]: [f32; 2], middle: f32, before: u32, length: u32) -> f32 {
+    let (rise, total) = (middle - first, last - first);
+    let slope = total / length.max(1) as f32;
+    // False for NaN.
+    let agrees = (rise - slope * before as f32).abs() <= 0.25 * total.abs();
+    if agrees && slope.abs() < STEEPEST { slope } else { 0.0 }
 }
 
 /// The ranges of a leaf that the map cuts off, one texel after another.
@@ -179,18 +183,13 @@ fn ranges(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32, slope: [f
 
 impl Ranges {
     /// The ranges of no texels.
-    pub const NONE: Ranges = Ranges {
-        flat: [f32::INFINITY, f32::NEG_INFINITY],
-        planar: [f32::INFINITY, f32::NEG_INFINITY],
-        nan: false,
-    };
+    pub const NONE: Ranges = Ranges { low: f32::INFINITY, high: f32::NEG_INFINITY, nan: false };
 
     /// Adds a texel and the plane there. `min` and `max` pass over NaN.
     #[inline(always)]
     pub fn add(&mut self, nearness: f32, plane: f32) {
-        let above = nearness - plane;
-        self.flat = [self.flat[0].min(nearness), self.flat[1].max(nearness)];
-        self.planar = [self.planar[0].min(above), self.planar[1].max(above)];
+        self.low = self.low.min(nearness - plane);
+        self.high = self.high.max(nearness - plane);
         self.nan |= nearness.is_nan();
     }
 }
@@ -214,12 +213,13 @@ fn parent(children: &NodeGroup, level: usize) -> Bounds {
         [fold(low, f32::min), fold(high, f32::max)]
     };
     let slope = [children.slope_x[0], children.slope_y[0]];
-    Bounds::choose(
-        range([0.0; 2]),
-        range(slope),
-        slope,
-        [half[0] + 1.5 * width, half[1] + 1.5 * height],
-    )
+    let (flat, planar) = (range([0.0; 2]), range(slope));
+    let half = [half[0] + 1.5 * width, half[1] + 1.5 * height];
+    if planar[1] - planar[0] < flat[1] - flat[0] {
+        Bounds::new(slope, planar, half)
+    } else {
+        Bounds::new([0.0; 2], flat, half)
+    }
 }
 
 /// All lanes combined by a commutative and associative operation.

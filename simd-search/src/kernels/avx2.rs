@@ -137,8 +137,8 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
 #[target_feature(enable = "avx2")]
 fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
     let lane: Vectors = cast(LANE);
-    let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
-    let (mut planar, mut nan) = (flat, all(0.0));
+    let (mut low, mut high) = (all(f32::INFINITY), all(f32::NEG_INFINITY));
+    let mut nan = all(0.0);
     for part in 0..PARTS {
         let rise_x = _mm256_mul_ps(all(slope[0]), _mm256_add_ps(all(FIRST[0]), lane[part]));
         for (row, y) in rows.into_iter().zip(0u8..) {
@@ -146,8 +146,7 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
             let plane = _mm256_add_ps(rise_x, all(slope[1] * (FIRST[1] + f32::from(y))));
             let above = _mm256_sub_ps(texels, plane);
             // Of a NaN and a number, these take the second operand.
-            flat = [_mm256_min_ps(texels, flat[0]), _mm256_max_ps(texels, flat[1])];
-            planar = [_mm256_min_ps(above, planar[0]), _mm256_max_ps(above, planar[1])];
+            (low, high) = (_mm256_min_ps(above, low), _mm256_max_ps(above, high));
             nan = _mm256_or_ps(nan, _mm256_cmp_ps::<_CMP_UNORD_Q>(texels, texels));
         }
     }
@@ -155,6 +154,5 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         let lanes: [f32; WIDTH] = cast(lanes);
         lanes.into_iter().fold(lanes[0], smaller)
     };
-    let range = |[low, high]: [__m256; 2]| [fold(low, f32::min), fold(high, f32::max)];
-    Ranges { flat: range(flat), planar: range(planar), nan: bits(nan, 0) != 0 }
+    Ranges { low: fold(low, f32::min), high: fold(high, f32::max), nan: bits(nan, 0) != 0 }
 }

@@ -107,8 +107,7 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
-    let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
-    let mut planar = flat;
+    let (mut low, mut high) = (all(f32::INFINITY), all(f32::NEG_INFINITY));
     let mut nan = 0;
     let rise_x = _mm512_mul_ps(all(slope[0]), _mm512_add_ps(all(FIRST[0]), cast(LANE)));
     for (row, y) in rows.into_iter().zip(0u8..) {
@@ -116,10 +115,8 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         let plane = _mm512_add_ps(rise_x, all(slope[1] * (FIRST[1] + f32::from(y))));
         let above = _mm512_sub_ps(texels, plane);
         // Of a NaN and a number, these take the second operand.
-        flat = [_mm512_min_ps(texels, flat[0]), _mm512_max_ps(texels, flat[1])];
-        planar = [_mm512_min_ps(above, planar[0]), _mm512_max_ps(above, planar[1])];
+        (low, high) = (_mm512_min_ps(above, low), _mm512_max_ps(above, high));
         nan |= _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(texels, texels);
     }
-    let range = |[low, high]: [__m512; 2]| [_mm512_reduce_min_ps(low), _mm512_reduce_max_ps(high)];
-    Ranges { flat: range(flat), planar: range(planar), nan: nan != 0 }
+    Ranges { low: _mm512_reduce_min_ps(low), high: _mm512_reduce_max_ps(high), nan: nan != 0 }
 }

@@ -130,8 +130,8 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
 #[target_feature(enable = "neon")]
 fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
     let lane: Vectors = cast(LANE);
-    let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
-    let (mut planar, mut nan) = (flat, vdupq_n_u32(0));
+    let (mut low, mut high) = (all(f32::INFINITY), all(f32::NEG_INFINITY));
+    let mut nan = vdupq_n_u32(0);
     for part in 0..PARTS {
         let rise_x = vmulq_f32(all(slope[0]), vaddq_f32(all(FIRST[0]), lane[part]));
         for (row, y) in rows.into_iter().zip(0u8..) {
@@ -139,8 +139,7 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
             let plane = vaddq_f32(rise_x, all(slope[1] * (FIRST[1] + f32::from(y))));
             let above = vsubq_f32(texels, plane);
             // Of a NaN and a number, these take the number.
-            flat = [vminnmq_f32(texels, flat[0]), vmaxnmq_f32(texels, flat[1])];
-            planar = [vminnmq_f32(above, planar[0]), vmaxnmq_f32(above, planar[1])];
+            (low, high) = (vminnmq_f32(above, low), vmaxnmq_f32(above, high));
             nan = vorrq_u32(nan, vmvnq_u32(vceqq_f32(texels, texels)));
         }
     }
@@ -148,6 +147,5 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         let lanes: [f32; WIDTH] = cast(lanes);
         lanes.into_iter().fold(lanes[0], smaller)
     };
-    let range = |[low, high]: [float32x4_t; 2]| [fold(low, f32::min), fold(high, f32::max)];
-    Ranges { flat: range(flat), planar: range(planar), nan: bits(nan, 0) != 0 }
+    Ranges { low: fold(low, f32::min), high: fold(high, f32::max), nan: bits(nan, 0) != 0 }
 }

@@ -130,8 +130,8 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
 #[target_feature(enable = "simd128")]
 fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
     let lane: Vectors = cast(LANE);
-    let mut flat = [all(f32::INFINITY), all(f32::NEG_INFINITY)];
-    let (mut planar, mut nan) = (flat, u32x4_splat(0));
+    let (mut low, mut high) = (all(f32::INFINITY), all(f32::NEG_INFINITY));
+    let mut nan = u32x4_splat(0);
     for part in 0..PARTS {
         let rise_x = f32x4_mul(all(slope[0]), f32x4_add(all(FIRST[0]), lane[part]));
         for (row, y) in rows.into_iter().zip(0u8..) {
@@ -139,8 +139,7 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
             let plane = f32x4_add(rise_x, all(slope[1] * (FIRST[1] + f32::from(y))));
             let above = f32x4_sub(texels, plane);
             // Of a number and a NaN, these take the first operand.
-            flat = [f32x4_pmin(flat[0], texels), f32x4_pmax(flat[1], texels)];
-            planar = [f32x4_pmin(planar[0], above), f32x4_pmax(planar[1], above)];
+            (low, high) = (f32x4_pmin(low, above), f32x4_pmax(high, above));
             nan = v128_or(nan, f32x4_ne(texels, texels));
         }
     }
@@ -148,6 +147,5 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         let lanes: [f32; WIDTH] = cast(lanes);
         lanes.into_iter().fold(lanes[0], smaller)
     };
-    let range = |[low, high]: [v128; 2]| [fold(low, f32::min), fold(high, f32::max)];
-    Ranges { flat: range(flat), planar: range(planar), nan: bits(nan, 0) != 0 }
+    Ranges { low: fold(low, f32::min), high: fold(high, f32::max), nan: bits(nan, 0) != 0 }
 }
