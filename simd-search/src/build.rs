@@ -75,10 +75,15 @@ pub(crate) fn build(
     };
     let (xs, ys) = groups(0);
     for y in ys {
+        let first = layout.levels[0].columns as usize * y as usize;
+        // Along whole rows of leaves, which memory likes better than group after group.
+        for row in 0..FAN as usize {
+            for x in xs.clone() {
+                leaves(ops, &map, &mut nodes[first + x as usize], x, y, row);
+            }
+        }
         for x in xs.clone() {
-            let index = layout.levels[0].columns as usize * y as usize + x as usize;
-            leaves(ops, &map, &mut nodes[index], x, y);
-            if let Some(group) = ids.get_mut(index) {
+            if let Some(group) = ids.get_mut(first + x as usize) {
                 id_leaves(&map, group, x, y);
             }
         }
@@ -116,20 +121,24 @@ pub(crate) fn build(
     }
 }
 
-/// The 16 leaves of a group.
+/// The four leaves of a row of a group.
 #[inline(always)]
-fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32) {
-    for lane in 0..LANES {
+fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32, row: usize) {
+    for lane in row * FAN as usize..(row + 1) * FAN as usize {
         let (left, top, columns, rows) = leaf_box(map, x, y, lane);
         if columns == 0 || rows == 0 {
             Bounds::NONE.store(group, lane);
             continue;
         }
-        let slope = leaf_slope(map, left, top, columns, rows);
-        let ranges = if columns == LEAF_WIDTH && rows == LEAF_HEIGHT {
-            map.with_tile(left, top, |rows| ops.leaf(rows, slope))
+        let (slope, ranges) = if columns == LEAF_WIDTH && rows == LEAF_HEIGHT {
+            map.with_tile(left, top, |rows| {
+                let texel = |x: u32, y: u32| rows[y as usize][x as usize];
+                let slope = leaf_slope(LEAF_WIDTH, LEAF_HEIGHT, texel);
+                (slope, ops.leaf(rows, slope))
+            })
         } else {
-            ranges(map, left, top, columns, rows, slope)
+            let slope = leaf_slope(columns, rows, |x, y| map.nearness(left + x, top + y));
+            (slope, ranges(map, left, top, columns, rows, slope))
         };
         let low = if ranges.nan { f32::NEG_INFINITY } else { ranges.low };
         Bounds::new(slope, [low, ranges.high], FIRST.map(f32::abs)).store(group, lane);
@@ -146,13 +155,13 @@ fn leaf_box(map: &Map<'_>, x: u32, y: u32, lane: usize) -> (u32, u32, u32, u32) 
     (left as u32, top as u32, columns as u32, rows as u32)
 }
 
-/// The slope along the middle row and column of a leaf.
+/// The slope along the middle row and column of a leaf, whose texel (x, y) is `texel(x, y)`.
 #[inline(always)]
-fn leaf_slope(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32) -> [f32; 2] {
+fn leaf_slope(columns: u32, rows: u32, texel: impl Fn(u32, u32) -> f32) -> [f32; 2] {
     let (x, y) = (columns / 2, rows / 2);
-    let middle = map.nearness(left + x, top + y);
-    let along_x = [map.nearness(left, top + y), map.nearness(left + columns - 1, top + y)];
-    let along_y = [map.nearness(left + x, top), map.nearness(left + x, top + rows - 1)];
+    let middle = texel(x, y);
+    let along_x = [texel(0, y), texel(columns - 1, y)];
+    let along_y = [texel(x, 0), texel(x, rows - 1)];
     [slope_along(along_x, middle, x, columns - 1), slope_along(along_y, middle, y, rows - 1)]
 }
 
@@ -185,11 +194,12 @@ impl Ranges {
     /// The ranges of no texels.
     pub const NONE: Ranges = Ranges { low: f32::INFINITY, high: f32::NEG_INFINITY, nan: false };
 
-    /// Adds a texel and the plane there. `min` and `max` pass over NaN.
+    /// Adds a texel and the plane there. Comparisons pass over NaN.
     #[inline(always)]
     pub fn add(&mut self, nearness: f32, plane: f32) {
-        self.low = self.low.min(nearness - plane);
-        self.high = self.high.max(nearness - plane);
+        let above = nearness - plane;
+        self.low = if above < self.low { above } else { self.low };
+        self.high = if above > self.high { above } else { self.high };
         self.nan |= nearness.is_nan();
     }
 }
