@@ -6,6 +6,7 @@
 use glam::Vec3;
 use raster::{DepthBuffer, Payload, Rasterizer};
 use reference::{Samples, Tracer, truth};
+use renderer::cover::Cover;
 use renderer::prepared::Prepared;
 use renderer::scene::Scene;
 use renderer::{builtin, camera, light_views};
@@ -28,9 +29,9 @@ impl Shot {
         let scene = builtin::scene(name).unwrap();
         let center = scene.lights[0].light.center().unwrap();
         let light = Light::Sphere { center, radius };
-        let points = scene.mesh.positions.iter().copied();
-        let light_view = light_views::fit(&light, None, None, map, points).remove(0);
         let camera_view = camera::view(&scene.camera.unwrap(), [image; 2], scene.bounds());
+        let cover = Cover::new(&Prepared::new(&scene), &light, &camera_view);
+        let light_view = light_views::fit(&light, None, None, map, &cover).remove(0);
         let draw = |view: &View, payload| {
             let mut map = DepthBuffer::new(view.width(), view.height());
             let mut rasterizer = Rasterizer::new(Level::detect(), Threads::Pool);

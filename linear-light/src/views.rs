@@ -8,7 +8,7 @@
 use alloc::vec::Vec;
 
 use glam::{DVec2, DVec3, Vec3};
-use shadowmap_core::{LightPoint, View, Window};
+use shadowmap_core::{ImagePoint, LightPoint, Spread, View, Window, fit_extents};
 
 /// The widest tangent along the light that a fitted window takes in, 76 degrees to either side.
 /// What lies beyond, close to the light's own line, falls outside every map.
@@ -179,24 +179,47 @@ impl RectifiedLight {
         size: [u32; 2],
         points: impl Iterator<Item = Vec3> + Clone,
     ) -> RectifiedLight {
+        RectifiedLight::fit_around(a, b, samples, size, points.clone(), points)
+    }
+
+    /// [`RectifiedLight::fit`] to what matters alone: maps hold what of `blockers` can throw a
+    /// shadow onto `receivers`, at the highest resolution for that. Receivers that fall outside
+    /// are lit.
+    ///
+    /// `blockers` are the vertices of what can stand between the light and something else, and
+    /// `receivers` those of what is looked at, cut to what a camera sees of it, say.
+    ///
+    /// # Panics
+    ///
+    /// If `samples` is less than 2.
+    #[must_use]
+    pub fn fit_around(
+        a: Vec3,
+        b: Vec3,
+        samples: usize,
+        size: [u32; 2],
+        blockers: impl Iterator<Item = Vec3> + Clone,
+        receivers: impl Iterator<Item = Vec3> + Clone,
+    ) -> RectifiedLight {
         let axis = Frame::new(a, b, Vec3::NEG_Y);
-        let across = points
-            .clone()
-            .filter(|p| p.is_finite())
-            .map(|p| axis.across(p))
-            .filter(|p| p.length_squared() > 0.0);
+        let blockers = blockers.filter(|p| p.is_finite());
+        let receivers = receivers.filter(|p| p.is_finite());
+        let points = blockers.clone().chain(receivers.clone());
+        let across = |p: Vec3| Some(axis.across(p)).filter(|p| p.length_squared() > 0.0);
         let views = |forward: DVec2, window: Window, near: f64| {
             let towards = axis.down * forward.x + axis.forward * forward.y;
             SampleViews::new(a, b, samples, towards.as_vec3(), window, size, near as f32)
         };
         // The far end of the scene scales what must not be zero.
-        let reach = across.clone().map(|p| p.length()).fold(0.0, f64::max).max(1e-6);
-        let frusta = match Wedge::around(across) {
+        let reach = points.clone().map(|p| axis.across(p).length()).fold(0.0, f64::max).max(1e-6);
+        // A shadow stays in its blocker's plane through the light: either set will do.
+        let wedge = Wedge::around(blockers.clone().filter_map(across))
+            .narrower(Wedge::around(receivers.clone().filter_map(across)));
+        let frusta = match wedge {
             Wedge::Within(lo, hi) if lo.dot(hi) >= -0.5 => {
                 let forward = lo + hi;
                 let frame = axis.turned(forward);
-                let seen = points.filter(|p| p.is_finite());
-                let (window, near) = fitted_window(&frame, [a, b], seen, reach, size);
+                let (window, near) = fitted_window(&frame, b, blockers, receivers, reach, size);
                 alloc::vec![views(forward, window, near)]
             }
             Wedge::Within(lo, hi) => {
@@ -205,11 +228,7 @@ impl RectifiedLight {
                 let face = (hi + middle).normalize();
                 let tangent = face.perp_dot(hi).abs() / face.dot(hi);
                 let frame = axis.turned(middle);
-                let depth = points
-                    .clone()
-                    .filter(|p| p.is_finite())
-                    .map(|p| frame.depth(p))
-                    .fold(f64::INFINITY, f64::min);
+                let depth = points.clone().map(|p| frame.depth(p)).fold(f64::INFINITY, f64::min);
                 // Nothing in a face is nearer than 0.7 of what the middle direction says.
                 let nearest = (depth * 0.7).max(reach * 1e-3);
                 let [left, right] = along_range(&axis, [a, b], points, nearest);
@@ -241,6 +260,14 @@ impl RectifiedLight {
     #[must_use]
     pub fn frusta(&self) -> &[SampleViews] {
         &self.frusta
+    }
+
+    /// Whether one frustum holds all that it was fitted to, nothing cut at [`MAX_TANGENT`].
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        let widest = MAX_TANGENT as f32;
+        let whole = |window: Window| window.left > -widest && window.right < widest;
+        matches!(&self.frusta[..], [frustum] if whole(frustum.window()))
     }
 
     /// The frustum that a receiver belongs to: the one whose view axis is nearest to it. The
@@ -333,35 +360,51 @@ impl Wedge {
         }
         Wedge::Within(lo.normalize(), hi.normalize())
     }
+
+    fn narrower(self, other: Wedge) -> Wedge {
+        match (&self, &other) {
+            (Wedge::Within(lo, hi), Wedge::Within(other_lo, other_hi)) => {
+                if lo.dot(*hi) >= other_lo.dot(*other_hi) { self } else { other }
+            }
+            (Wedge::Within(..), Wedge::Around) => self,
+            (Wedge::Around, _) => other,
+        }
+    }
 }
 
-/// The window and the nearest depth that take in `points` from both ends of the light.
+/// The window that takes in, from both ends of the light, where `blockers` can throw a shadow and
+/// what throws it onto `receivers`; and a depth nearer than all of them.
 fn fitted_window(
     frame: &Frame,
-    ends: [Vec3; 2],
-    points: impl Iterator<Item = Vec3>,
+    end: Vec3,
+    mut blockers: impl Iterator<Item = Vec3>,
+    mut receivers: impl Iterator<Item = Vec3>,
     reach: f64,
     size: [u32; 2],
 ) -> (Window, f64) {
-    let mut near = f64::INFINITY;
-    let [mut left, mut top] = [f64::INFINITY; 2];
-    let [mut right, mut bottom] = [f64::NEG_INFINITY; 2];
-    let length = frame.along(ends[1]);
-    for p in points {
-        let z = frame.depth(p).max(reach * 1e-3);
-        let (x, y) = (frame.along(p), frame.across(p).x);
-        left = left.min((x - length) / z);
-        right = right.max(x / z);
-        top = top.min(y / z);
-        bottom = bottom.max(y / z);
-        near = near.min(z);
-    }
-    if left > right {
-        return (with_margin([-1.0, -1.0, 1.0, 1.0], size), reach * 1e-3);
-    }
+    let length = frame.along(end);
+    let nearest = reach * 1e-3;
+    let mut most = 0.0_f64;
+    // As the light's middle sees them; `None` if one lies beside or behind the light.
+    let mut see = |points: &mut dyn Iterator<Item = Vec3>| {
+        let place = |p: Vec3| {
+            let z = frame.depth(p);
+            most = most.max(1.0 / z.max(nearest));
+            let (x, y) = (frame.along(p) - 0.5 * length, frame.across(p).x);
+            (z >= nearest).then(|| [x / z, y / z, 1.0 / z])
+        };
+        points.map(place).collect::<Option<Vec<ImagePoint>>>()
+    };
+    let sets = [see(&mut blockers), see(&mut receivers)];
+    let [blockers, receivers] = sets.each_ref().map(|set| set.as_ref().map(|s| s.iter().copied()));
+    let spread = Spread { views: [0.5 * length, 0.0], shadow: [length, 0.0] };
+    let Some(extents) = fit_extents(blockers, receivers, spread) else {
+        return (with_margin([-1.0, -1.0, 1.0, 1.0], size), nearest);
+    };
+    let [left, top, right, bottom] = extents;
     let [left, right] = [left.max(-MAX_TANGENT), right.min(MAX_TANGENT)];
     // A hair nearer than the nearest vertex, which rounding must not clip.
-    (with_margin([left, top, right, bottom], size), near * 0.999)
+    (with_margin([left, top, right, bottom], size), 0.999 / most)
 }
 
 /// The tangents along the light at which `points`, no nearer than `nearest`, can appear.
@@ -373,7 +416,7 @@ fn along_range(
 ) -> [f64; 2] {
     let length = frame.along(ends[1]);
     let (mut least, mut most) = (0.0_f64, 0.0_f64);
-    for p in points.filter(|p| p.is_finite()) {
+    for p in points {
         least = least.min(frame.along(p) - length);
         most = most.max(frame.along(p));
     }

@@ -62,11 +62,12 @@ fn lit(prepared: &Prepared<'_>, camera: &SceneCamera, position: Vec3) -> f32 {
     };
     let options =
         LightOptions { method: Some(Method::Hard), map_size: 256, ..LightOptions::default() };
-    let Ok(job) = LightJob::new(&light, &options, prepared) else { return 0.0 };
+    let camera = view(camera, [128, 128], prepared.bounds());
+    let Ok(job) = LightJob::new(&light, &options, prepared, &camera) else { return 0.0 };
     let mut frame = Frame::new(Level::detect(), Threads::One);
     frame.render(&Shot {
         prepared,
-        camera: &view(camera, [128, 128], prepared.bounds()),
+        camera: &camera,
         aa: 1,
         lights: &[job],
         tracer: None,

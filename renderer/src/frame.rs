@@ -144,7 +144,7 @@ impl Frame {
         match shot.goal {
             Goal::Camera => {}
             Goal::LightMap => {
-                let mut log = Log { times, counters: &mut self.counters };
+                let mut log = Log { times, counters: &mut self.counters, holds_all: false };
                 let views = shot.lights.first().map_or(&[][..], |light| light.plan.first_views());
                 self.shadow.draw_maps(&mut self.drawing, shot.prepared, &[views], &mut log);
             }
@@ -172,7 +172,7 @@ impl Frame {
         let camera = Camera::new(shot.camera, self.camera[0].as_depth_map(), surfaces)
             .expect("the camera's pass is drawn in the size of its view");
         let scene = Scene { prepared: shot.prepared, camera, tracer: shot.tracer };
-        let mut log = Log { times, counters: &mut self.counters };
+        let mut log = Log { times, counters: &mut self.counters, holds_all: false };
         self.visibility.resize_with(shot.lights.len(), Vec::new);
         for (light, out) in shot.lights.iter().zip(&mut self.visibility) {
             out.resize(camera.map().nearness().len(), 0.0);

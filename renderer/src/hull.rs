@@ -2,30 +2,27 @@
 
 use glam::Vec3;
 
-use crate::scene::{Bounds, Scene};
+use crate::scene::Bounds;
 
-/// Cells along each axis of the grid that sorts the vertices.
-const CELLS: usize = 8;
+/// Cells along each axis of the grid that sorts the points.
+const CELLS: usize = 16;
 
-/// Points whose convex hull holds all triangles of the scene, closely: the vertices if they are
-/// few, else the corners of the boxes around those in each cell of a grid.
+/// Fewer points than this are taken as they are.
+const FEW: usize = 512;
+
+/// Points whose convex hull holds `points`, closely: the points themselves if they are few, else
+/// the corners of the boxes around those in each cell of a grid.
 #[must_use]
-pub fn points_around(scene: &Scene) -> Vec<Vec3> {
-    let mut used = vec![false; scene.mesh.positions.len()];
-    for &index in scene.mesh.triangles.iter().flatten() {
-        if let Some(used) = used.get_mut(index as usize) {
-            *used = true;
-        }
+pub fn points_around(mut points: Vec<Vec3>) -> Vec<Vec3> {
+    points.retain(|p| p.is_finite());
+    if points.len() <= FEW {
+        return points;
     }
-    let vertices = scene.mesh.positions.iter().zip(&used);
-    let vertices = vertices.filter(|(p, used)| **used && p.is_finite()).map(|(p, _)| *p);
-    let Some(bounds) = scene.bounds() else { return Vec::new() };
-    if vertices.clone().count() <= CELLS.pow(3) {
-        return vertices.collect();
-    }
+    let start = Bounds { min: points[0], max: points[0] };
+    let bounds = points.iter().fold(start, |b, &p| Bounds { min: b.min.min(p), max: b.max.max(p) });
     let scale = CELLS as f32 / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
     let mut cells = vec![None; CELLS.pow(3)];
-    for p in vertices {
+    for p in points {
         let cell = ((p - bounds.min) * scale).to_array();
         // The conversion saturates; the last plane of the grid belongs to the last cell.
         let [x, y, z] = cell.map(|c| (c as usize).min(CELLS - 1));

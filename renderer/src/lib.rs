@@ -24,7 +24,7 @@
 //! let camera = choose(&scene, &CameraOptions::default())?;
 //! let view = view(&camera, [64, 64], prepared.bounds());
 //! let options = LightOptions { map_size: 128, ..LightOptions::default() };
-//! let light = LightJob::new(&scene.lights[0], &options, &prepared)?;
+//! let light = LightJob::new(&scene.lights[0], &options, &prepared, &view)?;
 //!
 //! let mut frame = Frame::new(Level::detect(), Threads::One);
 //! let (lights, aa, tracer) = (&[light], 1, None);
@@ -41,6 +41,7 @@ pub mod camera;
 pub mod cli;
 #[cfg(feature = "program")]
 pub mod compare;
+pub mod cover;
 pub mod default_light;
 mod drawing;
 pub mod emitters;

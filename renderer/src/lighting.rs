@@ -7,6 +7,7 @@ use shadowmap_core::{Light, View};
 use single_sample::paper;
 
 use crate::Error;
+use crate::cover::Cover;
 use crate::light_views::{ByHand, by_hand_line, fit};
 use crate::method::{Method, light_kind};
 use crate::prepared::Prepared;
@@ -56,6 +57,17 @@ pub enum Plan {
 }
 
 impl Plan {
+    /// Whether a single window holds all that matters, rather than several around the light or
+    /// one that had to end somewhere.
+    fn has_one_window(&self) -> bool {
+        match self {
+            Plan::Middle(views) => views.len() == 1,
+            Plan::Points(samples) => samples.iter().all(|views| views.len() == 1),
+            Plan::Lines(lines) => lines.iter().all(|(_, line)| line.is_complete()),
+            Plan::Rays => true,
+        }
+    }
+
     /// The views of the maps that are shown as the light's: of its first point or frustum.
     #[must_use]
     pub fn first_views(&self) -> &[View] {
@@ -79,12 +91,15 @@ pub struct LightJob {
     pub samples: u32,
     /// Where its maps are taken from.
     pub plan: Plan,
+    /// Whether its maps were fitted to hold all that can block it: receivers outside them are lit,
+    /// and no search is cut by their border.
+    pub holds_all: bool,
     /// Of [`Method::SearchPaper`].
     pub paper: paper::Parameters,
 }
 
 impl LightJob {
-    /// Chooses method and views for a light.
+    /// Chooses method and views for a light, fitted to what `camera` sees of the scene.
     ///
     /// # Errors
     ///
@@ -93,6 +108,7 @@ impl LightJob {
         light: &SceneLight,
         options: &LightOptions,
         prepared: &Prepared<'_>,
+        camera: &View,
     ) -> Result<LightJob, Error> {
         let shape = &light.light;
         let method = options.method.unwrap_or_else(|| Method::default_for(shape));
@@ -120,9 +136,8 @@ impl LightJob {
         };
         let middle = prepared.bounds().map_or(Vec3::ZERO, |bounds| bounds.center());
         let size = options.map_size;
-        let views = |point: &Light| {
-            fit(point, light.spot, options.by_hand, size, prepared.hull().iter().copied())
-        };
+        let cover = Cover::new(prepared, shape, camera);
+        let views = |point: &Light| fit(point, light.spot, options.by_hand, size, &cover);
         let plan = match (method, *shape) {
             (Method::RayTraced, _) => Plan::Rays,
             (Method::PointSamples, _) => {
@@ -131,12 +146,15 @@ impl LightJob {
             }
             (Method::Skins | Method::Intervals, _) => {
                 let count = if has_area { SAMPLES_PER_LINE } else { samples as usize };
-                let hull = prepared.hull();
                 let rectified = |a, b| match options.by_hand {
-                    Some(by_hand) => {
-                        RectifiedLight::from_frustum(by_hand_line(a, b, count, by_hand, size, hull))
+                    Some(by_hand) => RectifiedLight::from_frustum(by_hand_line(
+                        a, b, count, by_hand, size, &cover,
+                    )),
+                    None => {
+                        let blockers = cover.blockers.iter().copied();
+                        let receivers = cover.receivers.iter().copied();
+                        RectifiedLight::fit_around(a, b, count, [size; 2], blockers, receivers)
                     }
-                    None => RectifiedLight::fit(a, b, count, [size, size], hull.iter().copied()),
                 };
                 let lines = lines(shape, samples as usize).unwrap_or_default();
                 let weighted = lines.iter().map(|line| (line.weight, rectified(line.a, line.b)));
@@ -144,6 +162,14 @@ impl LightJob {
             }
             _ => Plan::Middle(views(shape)),
         };
-        Ok(LightJob { light: light.clone(), method, samples, plan, paper: options.paper })
+        let holds_all = options.by_hand.is_none() && plan.has_one_window();
+        Ok(LightJob {
+            light: light.clone(),
+            method,
+            samples,
+            plan,
+            holds_all,
+            paper: options.paper,
+        })
     }
 }

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use raster::AlphaMask;
 use shadowmap_core::{Surface, View};
 
+use crate::cover::Backdrop;
 use crate::scene::{AlphaMode, Bounds, Material, Scene};
 
 /// Alpha at which a blended material counts as solid: shadow maps know no half transparency.
@@ -15,7 +16,7 @@ const BLEND_CUTOFF: f32 = 0.5;
 pub struct Prepared<'a> {
     scene: &'a Scene,
     bounds: Option<Bounds>,
-    hull: Vec<Vec3>,
+    backdrops: Vec<Backdrop>,
     /// Geometric normal and object ID of each triangle, at its index + 1.
     surfaces: Vec<Surface>,
     /// Which triangles have holes; empty if none has.
@@ -52,7 +53,7 @@ impl<'a> Prepared<'a> {
         Prepared {
             scene,
             bounds: scene.bounds(),
-            hull: crate::hull::points_around(scene),
+            backdrops: Backdrop::find(scene),
             surfaces,
             masked: if any_masked { masked } else { Vec::new() },
             single_sided: scene.triangle_materials.iter().any(single),
@@ -69,10 +70,10 @@ impl<'a> Prepared<'a> {
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds
     }
-    /// Not many points whose convex hull holds all triangles, closely.
+    /// The planes that hide nothing from a light on the scene's side of them.
     #[must_use]
-    pub fn hull(&self) -> &[Vec3] {
-        &self.hull
+    pub fn backdrops(&self) -> &[Backdrop] {
+        &self.backdrops
     }
     /// Geometric normal and object ID of each triangle, at its index + 1: what a camera pass with
     /// [`raster::Payload::TriangleIndex`] points to.

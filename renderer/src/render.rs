@@ -55,7 +55,10 @@ fn render_on(settings: &Settings, threads: Threads) -> Result<(), Error> {
     let prepared = Prepared::new(&scene);
     let lights = chosen_lights(settings, &scene, alternatives);
     check_memory(settings, &lights)?;
-    let jobs = lights.iter().map(|light| LightJob::new(light, &settings.light_options, &prepared));
+    let size = settings.size.map(|side| side * settings.aa);
+    let view = view(&camera, size, prepared.bounds());
+    let jobs =
+        lights.iter().map(|light| LightJob::new(light, &settings.light_options, &prepared, &view));
     let jobs = jobs.collect::<Result<Vec<_>, _>>()?;
     let is_solid =
         |triangle: u32, [_, b1, b2]: [f32; 3]| prepared.is_solid(triangle as usize, b1, b2);
@@ -64,8 +67,6 @@ fn render_on(settings: &Settings, threads: Threads) -> Result<(), Error> {
         let cutouts = Cutouts { has_holes: prepared.masked(), is_opaque: &is_solid };
         Tracer::with_cutouts(&scene.mesh.as_mesh(), cutouts)
     });
-    let size = settings.size.map(|side| side * settings.aa);
-    let view = view(&camera, size, prepared.bounds());
     let shot = Shot {
         prepared: &prepared,
         camera: &view,

@@ -57,6 +57,8 @@ pub(crate) struct Scene<'a> {
 pub(crate) struct Log<'a> {
     pub times: &'a mut StageTimes,
     pub counters: &'a mut Counters,
+    /// [`LightJob::holds_all`] of the light at work.
+    pub holds_all: bool,
 }
 
 impl ShadowStage {
@@ -119,6 +121,7 @@ impl ShadowStage {
         log: &mut Log<'_>,
         out: &mut [f32],
     ) {
+        log.holds_all = light.holds_all;
         match &light.plan {
             Plan::Middle(views) => {
                 self.draw_maps(drawing, scene.prepared, &[views], log);
@@ -229,7 +232,7 @@ impl ShadowStage {
             Method::SearchPaper => {
                 let map = LightMap::new(view, Texels::Plain(*map)).expect(SIZES_AGREE);
                 let found = paper::visibility(camera, &map, &light.paper, self.threads, out);
-                log.counters.add_searches(&found);
+                log.counters.add_searches(&found, log.holds_all);
             }
             _ => self.by_tests(camera, light, view, map, log.counters, out),
         });
@@ -266,8 +269,7 @@ impl ShadowStage {
                 f32::from(u8::from(hard_shadow(map, point, bias) != HardShadow::Blocked))
             }),
         };
-        counters.add("receivers", found.receivers);
-        counters.add("outside the light's maps", found.outside);
+        counters.add_receivers(found.receivers, found.outside, light.holds_all);
     }
 
     fn by_search(
@@ -292,7 +294,7 @@ impl ShadowStage {
         let found = timed(&mut log.times.shadow, || {
             search::visibility(level, self.threads, camera, &map, &pyramid, &parameters, out)
         });
-        log.counters.add_searches(&found);
+        log.counters.add_searches(&found, log.holds_all);
     }
 
     fn by_skins(
@@ -327,8 +329,8 @@ impl ShadowStage {
         let found = timed(&mut log.times.shadow, || {
             linear_light::visibility(camera, &shadows, self.threads, out)
         });
-        log.counters.add("receivers", found.receivers.into());
-        log.counters.add("outside the light's maps", found.outside.into());
+        let (receivers, outside) = (found.receivers.into(), found.outside.into());
+        log.counters.add_receivers(receivers, outside, log.holds_all);
     }
 
     fn by_intervals(
@@ -358,8 +360,7 @@ impl ShadowStage {
         let found = timed(&mut log.times.shadow, || {
             intervals.visibility(camera, &frusta, INTERVAL_BIAS, out)
         });
-        log.counters.add("receivers", found.receivers);
-        log.counters.add("outside the light's maps", found.outside);
+        log.counters.add_receivers(found.receivers, found.outside, log.holds_all);
         log.counters.add("searched receivers", found.searched);
     }
 

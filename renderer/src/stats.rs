@@ -84,13 +84,20 @@ impl Counters {
         }
     }
 
+    /// Adds how many receivers were asked for, and how many of them lie outside the light's maps;
+    /// none are missed there if the maps hold all that can block.
+    pub fn add_receivers(&mut self, receivers: u64, outside: u64, holds_all: bool) {
+        self.add("receivers", receivers);
+        self.add("outside the light's maps", if holds_all { 0 } else { outside });
+    }
+
     /// Adds what a single-sample method counted.
-    pub fn add_searches(&mut self, found: &single_sample::Counters) {
-        self.add("receivers", found.receivers.into());
-        self.add("outside the light's maps", found.outside.into());
+    pub fn add_searches(&mut self, found: &single_sample::Counters, holds_all: bool) {
+        self.add_receivers(found.receivers.into(), found.outside.into(), holds_all);
         self.add("searches", found.searches.into());
         self.add("interpolated", found.interpolated.into());
-        self.add("searches cut by the map's border", found.cut_by_border.into());
+        let cut = if holds_all { 0 } else { found.cut_by_border };
+        self.add("searches cut by the map's border", cut.into());
         self.add("tiles", found.tiles.into());
         self.add("tiles decided as a whole", found.decided_tiles.into());
     }

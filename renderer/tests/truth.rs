@@ -31,7 +31,7 @@ fn draw(scene: &Scene, light: Light, method: Method, samples: u32, map_size: u32
     };
     let light =
         SceneLight { name: String::new(), light, color: Vec3::ONE, intensity: 1.0, spot: None };
-    let job = LightJob::new(&light, &options, &prepared).unwrap();
+    let job = LightJob::new(&light, &options, &prepared, &view).unwrap();
     let tracer = Tracer::new(&scene.mesh.as_mesh());
     let mut frame = Frame::new(Level::detect(), Threads::Pool);
     frame.render(&Shot {

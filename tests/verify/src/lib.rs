@@ -58,9 +58,10 @@ pub fn table(level: Level, threads: Threads) -> String {
 fn render(frame: &mut Frame, scene: &Scene, light: &SceneLight, method: Method) {
     let prepared = Prepared::new(scene);
     let options = LightOptions { method: Some(method), map_size: MAP, ..Default::default() };
-    let job = LightJob::new(light, &options, &prepared).expect("the method knows the light");
     let camera = choose(scene, &CameraOptions::default()).expect("built-in scenes have cameras");
     let camera = view(&camera, CAMERA, prepared.bounds());
+    let job = LightJob::new(light, &options, &prepared, &camera);
+    let job = job.expect("the method knows the light");
     frame.render(&Shot {
         prepared: &prepared,
         camera: &camera,

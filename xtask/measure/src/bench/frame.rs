@@ -44,10 +44,10 @@ fn frame(bench: &mut Bench, (name, method, map_size, samples): Setup, side: u32)
     let samples = (samples > 1).then_some(samples);
     let options =
         LightOptions { method: Some(method), samples, map_size, ..LightOptions::default() };
-    let job = LightJob::new(light, &options, &prepared).expect("the method knows the light");
-    let jobs = [job];
     let camera = choose(&scene, &CameraOptions::default()).expect("built-in scenes have cameras");
     let camera = view(&camera, [side, side], prepared.bounds());
+    let job = LightJob::new(light, &options, &prepared, &camera);
+    let jobs = [job.expect("the method knows the light")];
     let shot = Shot {
         prepared: &prepared,
         camera: &camera,

@@ -165,7 +165,7 @@ impl<'a> Stage<'a> {
     }
 
     fn jobs(&self, lights: &[SceneLight], way: &Way) -> Vec<LightJob> {
-        let job = |light| LightJob::new(light, &way.options(), &self.prepared);
+        let job = |light| LightJob::new(light, &way.options(), &self.prepared, &self.view);
         let jobs: Result<_, _> = lights.iter().map(job).collect();
         jobs.expect("figures draw each light with methods that fit it")
     }
