@@ -25,16 +25,22 @@ impl Line {
         end: usize,
     ) {
         if self.low > 0.0 && end - first >= S::LANES {
-            let mine = s.splat_i(self.payload as i32);
-            let mut x = first;
-            loop {
-                prefetch_next_row(s, nearness, payload, x);
-                s.store_f(&mut nearness[x..], self.window(s, x));
-                s.store_u(&mut payload[x..], mine);
-                if x + S::LANES >= end {
-                    break;
-                }
-                x = next_window::<S>(nearness, x, end);
+            let width = nearness.len();
+            self.put(s, &mut nearness[first..], &mut payload[first..], centers(s, first));
+            let aligned = next_window::<S>(nearness, first, end);
+            let windows = (end - aligned) / S::LANES;
+            let last = aligned + windows * S::LANES;
+            let (mut px, step) = (centers(s, aligned), s.splat_d(S::LANES as f64));
+            let middle = nearness[aligned..last].chunks_exact_mut(S::LANES);
+            for (near, mine) in middle.zip(payload[aligned..last].chunks_exact_mut(S::LANES)) {
+                s.prefetch(near.as_ptr().wrapping_add(width).cast());
+                s.prefetch(mine.as_ptr().wrapping_add(width).cast());
+                self.put(s, near, mine, px);
+                px = s.add_d(px, step);
+            }
+            if last < end {
+                let x = end - S::LANES;
+                self.put(s, &mut nearness[x..], &mut payload[x..], centers(s, x));
             }
         } else {
             // It is short, or may be nothing at some texels.
@@ -89,11 +95,28 @@ impl Line {
     /// Nearness at the texels from `x` on.
     #[inline(always)]
     fn window<S: Simd>(self, s: S, x: usize) -> S::F {
-        let lanes = s.d_from_f(s.f_from_i(s.lanes()));
-        let px = s.add_d(lanes, s.splat_d(x as f64 + 0.5));
+        self.at(s, centers(s, x))
+    }
+
+    /// Fills the first window of the slices, whose texel centres are `px`.
+    #[inline(always)]
+    fn put<S: Simd>(self, s: S, nearness: &mut [f32], payload: &mut [u32], px: S::D) {
+        s.store_f(nearness, self.at(s, px));
+        s.store_u(payload, s.splat_i(self.payload as i32));
+    }
+
+    /// Nearness at the texel centres `px`.
+    #[inline(always)]
+    fn at<S: Simd>(self, s: S, px: S::D) -> S::F {
         let near = s.add_d(s.mul_d(s.splat_d(self.a), px), s.splat_d(self.row));
         clamp(s, s.f_from_d(near), s.splat_f(self.low), s.splat_f(self.high))
     }
+}
+
+/// The centres of the texels from `x` on.
+#[inline(always)]
+fn centers<S: Simd>(s: S, x: usize) -> S::D {
+    s.add_d(s.d_from_f(s.f_from_i(s.lanes())), s.splat_d(x as f64 + 0.5))
 }
 
 /// Empties the texels from `first` to before `end` of a row. Faster than two `fill`s, since it
