@@ -2,6 +2,9 @@
 
 mod bench;
 mod figures;
+mod page;
+mod picture;
+mod plot;
 
 use std::process::ExitCode;
 

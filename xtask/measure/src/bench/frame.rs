@@ -27,15 +27,34 @@ const SETUPS: [Setup; 6] = [
 /// Runs the part.
 pub fn run(bench: &mut Bench) {
     for setup in SETUPS {
-        frame(bench, setup, 512);
+        let (name, method, map, _) = setup;
+        let group = format!("{name}, {method}, camera 512², map {map}²");
+        frame(bench, setup, 512, group, None);
     }
-    let sides: &[u32] = if bench.quick() { &[] } else { &[1024, 2048, 4096] };
-    for &side in sides {
-        frame(bench, ("torus", Method::Search, side, 1), side);
+    let sides: &[u32] = if bench.quick() { &[256, 1024] } else { &[256, 512, 1024, 2048, 4096] };
+    for (name, method, samples) in [
+        ("torus", Method::Search, 1),
+        ("torus", Method::Intervals, 2),
+        ("crowded", Method::Search, 1),
+    ] {
+        for &side in sides {
+            let x = Some(("map side, texels", f64::from(side)));
+            let group = format!("{name}, {method}, camera 512², map {side}");
+            frame(bench, (name, method, side, samples), 512, group, x);
+            let x = Some(("camera side, pixels", f64::from(side)));
+            let group = format!("{name}, {method}, map 1024², camera {side}");
+            frame(bench, (name, method, 1024, samples), side, group, x);
+        }
     }
 }
 
-fn frame(bench: &mut Bench, (name, method, map_size, samples): Setup, side: u32) {
+fn frame(
+    bench: &mut Bench,
+    (name, method, map_size, samples): Setup,
+    side: u32,
+    group: String,
+    x: Option<(&'static str, f64)>,
+) {
     let scene = builtin::scene(name).expect("a built-in scene");
     let prepared = Prepared::new(&scene);
     let linear = matches!(method, Method::Skins | Method::Intervals);
@@ -76,8 +95,8 @@ fn frame(bench: &mut Bench, (name, method, map_size, samples): Setup, side: u32)
     fast.render(&shot);
     assert!(fast.srgb() == plain.srgb(), "{name} {method} differs between levels");
     bench.compare(Group {
-        name: format!("{name}, {method}, camera {side}², map {map_size}²"),
-        x: Some(f64::from(side)),
+        name: group,
+        x,
         work: Some((1.0, "frames")),
         bytes: None,
         variants: variants.into_iter().map(|(name, draw)| Variant::new(name, draw)).collect(),

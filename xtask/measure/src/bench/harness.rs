@@ -33,8 +33,8 @@ pub struct Record {
     pub group: String,
     /// The variant, e.g. `avx512`.
     pub variant: String,
-    /// The abscissa of the group in its plot, e.g. the map size, if it has one.
-    pub x: Option<f64>,
+    /// What groups of one name, but for the number at its end, are plotted over, and its value.
+    pub x: Option<(String, f64)>,
     /// Median time of one run in milliseconds.
     pub median_ms: f64,
     /// First and third quartile in milliseconds.
@@ -72,8 +72,9 @@ pub struct Bench {
 pub struct Group<'a> {
     /// What is compared, e.g. `torus 1024`.
     pub name: String,
-    /// Abscissa for plots over size, radius and the like.
-    pub x: Option<f64>,
+    /// What groups of one name, but for the number at its end, are plotted over (a quantity and
+    /// its unit), and its value.
+    pub x: Option<(&'static str, f64)>,
     /// Units of work per run, with their name.
     pub work: Option<(f64, &'static str)>,
     /// Least traffic per run in bytes.
@@ -122,7 +123,7 @@ impl Bench {
                 part: self.part.clone(),
                 group: group.name.clone(),
                 variant: group.variants[index].name.clone(),
-                x: group.x,
+                x: group.x.map(|(quantity, value)| (quantity.to_owned(), value)),
                 median_ms: median * 1e3,
                 quartiles_ms: [0.25, 0.75].map(|q| quantile(&rounds[index], q) * 1e3),
                 ratio: quantile(&ratios, 0.5),

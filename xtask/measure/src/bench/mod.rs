@@ -4,6 +4,7 @@ mod frame;
 mod harness;
 mod machine;
 mod options;
+mod page;
 mod raster;
 mod readme;
 mod report;
@@ -22,7 +23,7 @@ const PARTS: &[Part] = &[("raster", raster::run), ("frame", frame::run)];
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
-    let names: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
+    let names: Vec<&'static str> = PARTS.iter().map(|(name, _)| *name).collect();
     let options = match Options::parse(arguments, &names) {
         Ok(options) => options,
         Err(message) => {
@@ -38,7 +39,7 @@ pub fn run(arguments: &[String]) -> ExitCode {
         }
     }
     let results = bench.finish();
-    match report::write(&results, &options) {
+    match report::write(&results, &names, &options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("bench: {message}");

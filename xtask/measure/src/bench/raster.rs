@@ -78,7 +78,7 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
     };
     bench.compare(Group {
         name: format!("{name} {size}"),
-        x: Some(f64::from(size)),
+        x: Some(("map side, texels", f64::from(size))),
         work: Some(work),
         bytes: Some(BYTES_PER_TEXEL * f64::from(size) * f64::from(size)),
         variants,
@@ -118,23 +118,31 @@ fn growth(bench: &mut Bench, torus: &TriangleMesh) {
     for &ring in rings {
         let sphere = sphere(ring, ring / 2);
         let triangles = f64::from(ring) * f64::from(ring);
-        draw(bench, format!("growth with triangles: {triangles}"), triangles, &sphere, 60.0, 1024);
+        let name = format!("growth with triangles: {triangles}");
+        draw(bench, name, ("triangles", triangles), &sphere, 60.0, 1024);
     }
     for size in [256, 512, 1024, 2048, 4096] {
         let texels = f64::from(size) * f64::from(size);
-        draw(bench, format!("growth with texels: {texels}"), texels, torus, 90.0, size);
+        draw(bench, format!("growth with texels: {texels}"), ("texels", texels), torus, 90.0, size);
     }
 }
 
 /// One point of a growth curve.
-fn draw(bench: &mut Bench, name: String, x: f64, mesh: &TriangleMesh, degrees: f32, size: u32) {
+fn draw(
+    bench: &mut Bench,
+    name: String,
+    x: (&'static str, f64),
+    mesh: &TriangleMesh,
+    degrees: f32,
+    size: u32,
+) {
     let (view, mesh) = (view(degrees, size, 0.0), mesh.as_mesh());
     let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
     let mut map = DepthBuffer::new(size, size);
     bench.compare(Group {
         name,
         x: Some(x),
-        work: Some((x, "elements")),
+        work: Some((x.1, x.0)),
         bytes: None,
         variants: vec![Variant::new("1 thread", || {
             rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target());

@@ -22,7 +22,9 @@ pub fn write(results: &Results, path: &Path) -> Result<(), String> {
 }
 
 fn table(results: &Results) -> Result<String, String> {
-    let frames: Vec<&Record> = results.records.iter().filter(|r| r.part == "frame").collect();
+    // Those with an abscissa are points of a plot.
+    let in_table = |record: &&Record| record.part == "frame" && record.x.is_none();
+    let frames: Vec<&Record> = results.records.iter().filter(in_table).collect();
     let [_, ..] = frames[..] else {
         return Err("no frames were timed: run the part `frame`".into());
     };

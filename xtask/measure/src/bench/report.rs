@@ -5,14 +5,14 @@ use std::path::Path;
 
 use super::harness::Results;
 use super::options::Options;
-use super::readme;
+use super::{page, readme};
 
-/// Prints the table and writes `bench.json` into the folder of the options.
+/// Prints the table and writes `bench.json` and `bench.html` into the folder of the options.
 ///
 /// # Errors
 ///
 /// If a file cannot be read or written; the message names it.
-pub fn write(results: &Results, options: &Options) -> Result<(), String> {
+pub fn write(results: &Results, parts: &[&'static str], options: &Options) -> Result<(), String> {
     print!("{}", table(results));
     if let Some(path) = &options.compare {
         let text = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -25,6 +25,9 @@ pub fn write(results: &Results, options: &Options) -> Result<(), String> {
     let json = serde_json::to_string_pretty(results).expect("results are plain data");
     fs::write(&path, json).map_err(|e| format!("{}: {e}", path.display()))?;
     println!("\nwritten: {}", path.display());
+    let path = options.folder.join("bench.html");
+    fs::write(&path, page::html(results, parts)).map_err(|e| format!("{}: {e}", path.display()))?;
+    println!("written: {}", path.display());
     if options.readme {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
         readme::write(results, &root)?;
@@ -49,13 +52,13 @@ fn table(results: &Results) -> String {
             text += &format!("\n{name}\n");
             group = name;
         }
-        let rate = record.work.as_ref().map_or(String::new(), |(count, unit)| {
-            format!("{:>12.1} M{unit}/s", count / record.median_ms / 1e3)
-        });
         let [low, high] = record.quartiles_ms;
         text += &format!(
-            "  {:<28} {:>10.4} ms  [{low:.4}, {high:.4}]  x{:<7.3}{rate}\n",
-            record.variant, record.median_ms, record.ratio
+            "  {:<28} {:>10.4} ms  [{low:.4}, {high:.4}]  x{:<7.3} {}\n",
+            record.variant,
+            record.median_ms,
+            record.ratio,
+            page::rate(record)
         );
     }
     for note in &results.notes {

@@ -13,12 +13,12 @@ use single_sample::{Counters, Found, LightMap, Texels};
 
 use super::Effort;
 use super::gallery::milliseconds;
-use super::page::{Section, Tiles, table};
 use super::paper2002::is_sphere;
-use super::picture::Picture;
 use super::scenes::built_in;
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::{Section, Tiles, table};
+use crate::picture::Picture;
 
 /// Searched, interpolated, decided without a look.
 const COLORS: [[u8; 3]; 3] = [[0xe6, 0x9f, 0x00], [0x56, 0xb4, 0xe9], [0x6b, 0x72, 0x80]];

@@ -7,10 +7,10 @@ use shadowmap_core::Light;
 
 use super::Effort;
 use super::gallery::{Gallery, milliseconds};
-use super::page::{Section, Tiles, table};
 use super::scenes::built_in;
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::{Section, Tiles, table};
 
 const HEAD: [&str; 6] = ["method", "RMSE in the penumbra", "RMSE", "largest error", "FLIP", "time"];
 

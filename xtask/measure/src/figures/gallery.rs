@@ -5,10 +5,10 @@ use renderer::scene::SceneLight;
 use shadowmap_core::Light;
 
 use super::Effort;
-use super::page::{Section, Tiles};
-use super::picture::Picture;
 use super::stage::{Shadow, Stage};
 use super::way::Way;
+use crate::page::{Section, Tiles};
+use crate::picture::Picture;
 
 /// Draws one light of one stage.
 pub struct Gallery<'g, 'a> {

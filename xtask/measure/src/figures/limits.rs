@@ -6,11 +6,11 @@ use renderer::scene::Scene;
 
 use super::Effort;
 use super::gallery::Gallery;
-use super::page::{Section, Tiles};
-use super::picture::Picture;
 use super::scenes::{built_in, hidden_from_both_ends, hidden_from_the_middle, torus_at};
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::{Section, Tiles};
+use crate::picture::Picture;
 
 const ID: &str = "limits";
 

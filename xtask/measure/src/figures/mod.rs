@@ -5,12 +5,9 @@ mod errors;
 mod gallery;
 mod limits;
 mod line;
-mod page;
 mod paper2000;
 mod paper2000_skins;
 mod paper2002;
-mod picture;
-mod plot;
 mod samples;
 mod scenes;
 mod stage;
@@ -25,7 +22,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use maud::{Markup, html};
 
-use page::Section;
+use crate::page::Section;
 
 /// How large and how many.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +102,7 @@ fn draw(options: &Options) -> Result<PathBuf, String> {
         let file = folder.join(format!("{name}.png"));
         picture.write(&file).map_err(|error| failed(file, error))?;
     }
-    let text = page::page(
+    let text = crate::page::page(
         "Soft shadow maps beside the truth",
         &introduction(&options.effort, start.elapsed()),
         &sections,
@@ -130,7 +127,7 @@ fn introduction(effort: &Effort, took: Duration) -> Markup {
             "the mean of NVIDIA’s perceptual difference of the two grey pictures, 0 for none. "
             "Pictures are " (effort.size) " pixels wide. Grey pictures show visibility: black 0, "
             "white 1. In pictures of errors, white is right, blue is too dark, orange is too "
-            "light; full colour from an error of " (picture::FULL_ERROR) " on."
+            "light; full colour from an error of " (crate::picture::FULL_ERROR) " on."
         }
         p {
             "Times are those of this run, on " (rayon::current_num_threads()) " threads where not "

@@ -6,10 +6,10 @@ use shadowmap_core::Light;
 
 use super::Effort;
 use super::gallery::{Gallery, section};
-use super::page::{Section, Tiles};
 use super::scenes::{built_in, pair, under_a_triangle};
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::{Section, Tiles};
 
 pub fn is_linear(light: &Light) -> bool {
     matches!(light, Light::Linear { .. })

@@ -9,12 +9,12 @@ use shadowmap_core::Light;
 use super::Effort;
 use super::gallery::section;
 use super::line::Line;
-use super::page::{Section, Tiles};
-use super::plot::{Axes, Curve, Scale, Stroke, plot};
 use super::samples::Samples;
 use super::scenes::{built_in, pair, slope};
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::{Section, Tiles};
+use crate::plot::{Axes, Curve, Scale, Stroke, plot};
 
 /// The plane of the light, a little off the middle of a texel row.
 const Z: f32 = 0.01;

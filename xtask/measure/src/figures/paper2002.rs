@@ -8,11 +8,11 @@ use single_sample::paper::{self, InnerWidth, Penumbra};
 
 use super::Effort;
 use super::gallery::{Gallery, section};
-use super::page::{Section, Tiles};
-use super::plot::{Axes, Curve, Scale, Stroke, plot};
 use super::scenes::{built_in, torus_at, wide_spot};
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::{Section, Tiles};
+use crate::plot::{Axes, Curve, Scale, Stroke, plot};
 
 /// Side of the light's map in the paper.
 const MAP: u32 = 256;

@@ -6,7 +6,7 @@ use raster::{DepthBuffer, Payload, Rasterizer};
 use renderer::scene::Scene;
 use shadowmap_core::{Bias, Level, Light, Threads};
 
-use super::picture::Picture;
+use crate::picture::Picture;
 
 /// A linear light seen from its samples.
 pub struct Samples {

@@ -16,8 +16,8 @@ use renderer::scene::{Scene, SceneLight};
 use renderer::stats::StageTimes;
 use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
 
-use super::picture::Picture;
 use super::way::Way;
+use crate::picture::Picture;
 
 /// What takes longer is not repeated.
 const PATIENCE: Duration = Duration::from_millis(300);

@@ -6,11 +6,11 @@ use renderer::scene::SceneLight;
 use shadowmap_core::Light;
 
 use super::Effort;
-use super::page::Section;
-use super::plot::{Axes, Curve, Scale, Stroke, plot};
 use super::scenes::built_in;
 use super::stage::Stage;
 use super::way::Way;
+use crate::page::Section;
+use crate::plot::{Axes, Curve, Scale, Stroke, plot};
 
 /// One plot per scene and light.
 pub fn plots(effort: &Effort) -> Section {

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::picture::Picture;
+use crate::picture::Picture;
 
 /// A part of the report with a heading.
 #[derive(Clone, Debug)]
@@ -118,6 +118,7 @@ figcaption { color: var(--soft); font-size: 0.88rem; line-height: 1.4; margin-to
 .legend { list-style: none; margin: 0.2rem 0 0 2.5rem; padding: 0; display: flex; flex-wrap: wrap; gap: 0.1rem 1.2rem; font-size: 0.85rem; }
 .legend span { font-size: 1.3em; font-weight: 700; line-height: 1; }
 .plots { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(min(100%, 28rem), 1fr)); }
+details summary { cursor: pointer; color: var(--link); }
 .wide { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: 0.25rem 0.7rem; border-bottom: 1px solid var(--rule); text-align: right; white-space: nowrap; }

@@ -1,0 +1,125 @@
+//! Results as one page with tables and plots that needs nothing else.
+
+use maud::{Markup, html};
+
+use super::harness::{Record, Results};
+use crate::page::{Section, page, table};
+use crate::plot::{Axes, Curve, Scale, Stroke, plot};
+
+/// Above this share of the machine's bandwidth, memory is what bounds a stage.
+const BOUND_BY_MEMORY: f64 = 0.5;
+
+/// The page.
+pub fn html(results: &Results, parts: &[&'static str]) -> String {
+    let machine = &results.machine;
+    let introduction = html! {
+        p {
+            (machine.cpu) ", " (machine.threads) " threads, levels " (machine.levels.join(", ")) ", "
+            (machine.compiler) ". One thread copies " (format!("{:.0}", machine.bandwidth * 1e-9))
+            " GB/s within 8 MiB, read and written bytes together."
+        }
+        p {
+            "Every result was checked before it was timed. The variants of a group ran in turn, "
+            "round by round; times are medians with their quartiles, and a ratio is the median over "
+            "the rounds of the time relative to the group's first variant."
+            @if results.quick { " This was a quick run: fewer sizes, fewer rounds." }
+        }
+    };
+    let measured = |part: &&&str| results.records.iter().any(|record| record.part == **part);
+    let sections: Vec<Section> = parts
+        .iter()
+        .filter(measured)
+        .map(|part| Section {
+            id: part,
+            title: (*part).to_owned(),
+            body: section(results, part),
+            pictures: Vec::new(),
+        })
+        .collect();
+    page("Benchmarks", &introduction, &sections)
+}
+
+fn section(results: &Results, part: &str) -> Markup {
+    let records: Vec<&Record> = results.records.iter().filter(|r| r.part == part).collect();
+    let head = ["group", "variant", "median, ms", "quartiles, ms", "ratio", "rate", "GB/s"];
+    let rows: Vec<Vec<String>> = records
+        .iter()
+        .map(|record| {
+            let [low, high] = record.quartiles_ms;
+            vec![
+                record.group.clone(),
+                record.variant.clone(),
+                format!("{:.4}", record.median_ms),
+                format!("{low:.4} to {high:.4}"),
+                format!("{:.3}", record.ratio),
+                rate(record),
+                traffic(record, results.machine.bandwidth),
+            ]
+        })
+        .collect();
+    let notes = results.notes.iter().filter_map(|note| note.strip_prefix(&format!("{part}: ")));
+    html! {
+        div.plots { @for plot in plots(&records) { (plot) } }
+        @for note in notes { p { (note) } }
+        details { summary { "All " (rows.len()) " figures" } (table(&head, &rows)) }
+    }
+}
+
+/// Units of work per second.
+pub fn rate(record: &Record) -> String {
+    record.work.as_ref().map_or(String::new(), |(count, unit)| {
+        let rate = count / record.median_ms * 1e3;
+        if rate >= 1e6 {
+            format!("{:.1} M{unit}/s", rate * 1e-6)
+        } else {
+            format!("{rate:.1} {unit}/s")
+        }
+    })
+}
+
+/// What a run must at least move per second, and whether that is what bounds it.
+fn traffic(record: &Record, bandwidth: f64) -> String {
+    record.bytes.map_or(String::new(), |bytes| {
+        let speed = bytes / record.median_ms * 1e3;
+        let share = speed / bandwidth;
+        let bound = if share > BOUND_BY_MEMORY { "memory" } else { "operations" };
+        format!("{:.1}, {:.0} % of a copy: bound by {bound}", speed * 1e-9, share * 1e2)
+    })
+}
+
+/// A group's name without the number at its end, which is its place in the plot.
+fn series(record: &Record) -> &str {
+    let name = record.group.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
+    name.trim_end_matches([' ', ':', '=', ','])
+}
+
+/// One plot per name and abscissa that has at least two points.
+fn plots(records: &[&Record]) -> Vec<Markup> {
+    let mut seen: Vec<(&str, &str)> = Vec::new();
+    for record in records {
+        if let Some((quantity, _)) = &record.x
+            && !seen.contains(&(series(record), quantity))
+        {
+            seen.push((series(record), quantity));
+        }
+    }
+    seen.into_iter().filter_map(|(name, quantity)| one_plot(records, name, quantity)).collect()
+}
+
+fn one_plot(records: &[&Record], name: &str, quantity: &str) -> Option<Markup> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for record in records.iter().filter(|record| series(record) == name) {
+        let Some((own, x)) = &record.x else { continue };
+        if own != quantity {
+            continue;
+        }
+        let point = (*x, record.median_ms);
+        match curves.iter_mut().find(|curve| curve.name == record.variant) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Curve::new(&*record.variant, Stroke::Marked, vec![point])),
+        }
+    }
+    let drawable = curves.iter().any(|curve| curve.points.len() > 1);
+    let axes = Axes { x: quantity, y: "time, ms", scale: Scale::Logarithmic };
+    drawable.then(|| html! { div { h3 { (name) } (plot(axes, &curves)) } })
+}
