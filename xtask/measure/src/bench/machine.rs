@@ -29,17 +29,21 @@ impl Machine {
         let cpu = cpuinfo.lines().find_map(|line| line.strip_prefix("model name"));
         let cpu =
             cpu.map_or(std::env::consts::ARCH, |line| line.trim_start_matches([' ', '\t', ':']));
-        let compiler = std::process::Command::new("rustc").arg("--version").output();
         Machine {
             cpu: cpu.to_owned(),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             levels: Level::available().map(|level| level.kind().name().to_owned()).collect(),
-            compiler: compiler.map_or_else(
-                |_| "unknown".to_owned(),
-                |output| String::from_utf8_lossy(&output.stdout).trim().to_owned(),
-            ),
+            compiler: compiler(),
             bandwidth: bandwidth(),
         }
+    }
+}
+
+/// The version of the compiler in the path, which is the one that `cargo` has just used.
+pub fn compiler() -> String {
+    match std::process::Command::new("rustc").arg("--version").output() {
+        Ok(output) => String::from_utf8_lossy(&output.stdout).trim().to_owned(),
+        Err(_) => "unknown".to_owned(),
     }
 }
 

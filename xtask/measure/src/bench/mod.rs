@@ -2,6 +2,7 @@
 
 mod frame;
 mod harness;
+mod instructions;
 mod machine;
 mod options;
 mod page;
@@ -23,6 +24,10 @@ const PARTS: &[Part] = &[("raster", raster::run), ("frame", frame::run)];
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
+    if arguments == [instructions::CHILD] {
+        instructions::child();
+        return ExitCode::SUCCESS;
+    }
     let names: Vec<&'static str> = PARTS.iter().map(|(name, _)| *name).collect();
     let options = match Options::parse(arguments, &names) {
         Ok(options) => options,
@@ -31,6 +36,9 @@ pub fn run(arguments: &[String]) -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if let Some(purpose) = options.instructions {
+        return exit(instructions::run(purpose));
+    }
     let mut bench = Bench::new(options.quick);
     for (name, part) in PARTS {
         if options.parts.is_empty() || options.parts.iter().any(|chosen| chosen == name) {
@@ -39,7 +47,11 @@ pub fn run(arguments: &[String]) -> ExitCode {
         }
     }
     let results = bench.finish();
-    match report::write(&results, &names, &options) {
+    exit(report::write(&results, &names, &options))
+}
+
+fn exit(result: Result<(), String>) -> ExitCode {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("bench: {message}");

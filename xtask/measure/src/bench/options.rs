@@ -2,6 +2,17 @@
 
 use std::path::PathBuf;
 
+/// What instructions are counted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be seen.
+    Show,
+    /// To fail where there are more than recorded.
+    Check,
+    /// To be recorded.
+    Record,
+}
+
 /// What the command line asks for.
 pub struct Options {
     /// Parts to run; empty: all.
@@ -14,6 +25,8 @@ pub struct Options {
     pub compare: Option<PathBuf>,
     /// Whether to write the README's speed table.
     pub readme: bool,
+    /// To count instructions rather than to time, and what for.
+    pub instructions: Option<Purpose>,
 }
 
 impl Options {
@@ -29,6 +42,7 @@ impl Options {
             folder: PathBuf::from("target/bench"),
             compare: None,
             readme: false,
+            instructions: None,
         };
         let mut rest = arguments.iter();
         while let Some(argument) = rest.next() {
@@ -38,6 +52,9 @@ impl Options {
             match argument.as_str() {
                 "--quick" => options.quick = true,
                 "--readme" => options.readme = true,
+                "--instructions" => options.instructions = Some(Purpose::Show),
+                "--check" => options.instructions = Some(Purpose::Check),
+                "--bless" => options.instructions = Some(Purpose::Record),
                 "--out" => options.folder = value()?,
                 "--compare" => options.compare = Some(value()?),
                 part if parts.contains(&part) => options.parts.push(part.to_owned()),
@@ -61,7 +78,13 @@ Parts: {}
   --quick            fewer sizes and rounds, under 90 s
   --out DIR          where bench.json and bench.html go (target/bench)
   --compare FILE     an earlier bench.json: shows what changed
-  --readme           writes the README's speed table from the part `frame`",
+  --readme           writes the README's speed table from the part `frame`
+
+Machines are noisy, instruction counts are not; valgrind takes them:
+
+  --instructions     shows those of every stage beside the recorded ones
+  --check            and fails where there are more
+  --bless            records them",
         parts.join(", ")
     )
 }
