@@ -106,7 +106,8 @@ pub fn polygon_lines(corners: &[Vec3], count: usize) -> Vec<WeightedLine> {
     let weighted = |(a, b, length): (DVec3, DVec3, f64)| WeightedLine {
         a: a.as_vec3(),
         b: b.as_vec3(),
-        weight: (if total > 0.0 { length / total } else { 1.0 / count as f64 }) as f32,
+        weight: (if total > 0.0 && total.is_finite() { length / total } else { 1.0 / count as f64 })
+            as f32,
     };
     lines.into_iter().map(weighted).collect()
 }
@@ -147,6 +148,14 @@ mod tests {
         assert!([first.a, first.b].iter().any(|p| close(*p, v(0.0, 0.5, 0.25))), "{first:?}");
         assert!([first.a, first.b].iter().any(|p| close(*p, v(0.0, 0.5, 3.25))), "{first:?}");
         assert!((last.a.distance(last.b) - 1.0).abs() < 1e-6 && last.a.y == 1.5);
+    }
+
+    #[test]
+    fn corners_that_are_not_finite_have_weights_all_the_same() {
+        for wrong in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let lines = polygon_lines(&[Vec3::ZERO, Vec3::new(1.0, wrong, 0.0), Vec3::Z], 4);
+            assert!(lines.iter().all(|line| line.weight == 0.25), "{wrong}: {lines:?}");
+        }
     }
 
     #[test]

@@ -123,12 +123,12 @@ impl ForeignDepth {
         if !(depth > 0.0 && depth.is_finite()) {
             return 0.0;
         }
-        match self.view.projection() {
-            Projection::Perspective => (1.0 / depth) as f32,
-            Projection::Orthographic => {
-                (f64::from(self.view.max_nearness()) - depth).max(0.0) as f32
-            }
-        }
+        let nearness = match self.view.projection() {
+            Projection::Perspective => 1.0 / depth,
+            Projection::Orthographic => (f64::from(self.view.max_nearness()) - depth).max(0.0),
+        };
+        // What is nearer than nearness can say is there all the same.
+        nearness.min(f64::from(f32::MAX)) as f32
     }
 
     /// Cosine between the view axis and the ray through texel coordinates (u, v).

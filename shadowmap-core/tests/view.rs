@@ -126,6 +126,9 @@ fn foreign_depth_becomes_nearness() {
             let error = (nearness - seen.z).abs() / seen.z;
             assert!(error < 1e-4, "{convention:?}: {nearness} for {}", seen.z);
         }
+        // As near as can be, and yet a number.
+        let nearest = foreign.nearness(256.0, 256.0, f32::from_bits(1));
+        assert!(nearest.is_finite(), "{convention:?}: {nearest}");
         let nothing = match convention {
             DepthConvention::ReversedZ => 0.0,
             DepthConvention::Linear | DepthConvention::Distance => f32::INFINITY,
