@@ -237,7 +237,8 @@ impl<'a> SkinShadow<'a> {
         if v > 0.0 {
             add(segments, v);
         }
-        visibility + v
+        // Parts of a whole add up to 1 only as far as rounding lets them.
+        (visibility + v).min(1.0)
     }
 
     /// How much of a segment is seen from the sample at its first (`end` 0) or last (1) end.
@@ -343,6 +344,8 @@ fn frustum_of(frusta: &[SkinShadow<'_>], position: Vec3) -> usize {
 #[inline(always)]
 fn weights_at(v: f32) -> [f32; 2] {
     let below = between(v);
+    // Outside the map, where rows weigh alike, it may be anything.
+    let below = if below < 1.0 { below.max(0.0) } else { 0.0 };
     [1.0 - below, below]
 }
 
