@@ -201,6 +201,10 @@ impl Tiles {
     ) -> bool {
         let [x, y] = group.node(lane);
         let [x, y] = [x * LEAF_WIDTH, y * LEAF_HEIGHT];
+        // Where planes are steeper than numbers can say, nodes past the map's end pass as well.
+        if x >= map.width() || y >= map.height() {
+            return true;
+        }
         // The outermost texels that may count: those of the map...
         let (mut left, mut right) = (x, (x + LEAF_WIDTH).min(map.width()) - 1);
         let (mut top, mut bottom) = (y, (y + LEAF_HEIGHT).min(map.height()) - 1);
