@@ -54,7 +54,10 @@ impl SetUp {
             seen: projected[i].1.then_some(projected[i].0),
         });
         match clip(corners, f64::from(projection.max_nearness)) {
-            Some(polygon) => Clipped::Cut(polygon.set_up(corners.map(|c| c.homogeneous))),
+            Some(polygon) => {
+                let whole = corners.map(|corner| corner.homogeneous);
+                Clipped::Cut(polygon.set_up(whole, projection.max_nearness))
+            }
             None => Clipped::Gone,
         }
     }
@@ -74,12 +77,13 @@ struct Corner {
 }
 
 impl Corner {
-    fn seen(&self) -> [f32; 3] {
+    fn seen(&self, max_nearness: f32) -> [f32; 3] {
         let [u, v, n, q] = self.homogeneous;
         self.seen.unwrap_or_else(|| {
             // Rounding may leave a corner on the wrong side of the plane that made it.
             let bounded = |x: f64| (x as f32).clamp(-GUARD, GUARD);
-            [bounded(u / q), bounded(v / q), ((n / q) as f32).max(0.0)]
+            let nearness = ((n / q) as f32).min(max_nearness).clamp(0.0, f32::MAX);
+            [bounded(u / q), bounded(v / q), nearness]
         })
     }
 }
@@ -171,11 +175,11 @@ impl Polygon {
     }
 
     /// The fan, with the plane of the whole triangle: `N = a U + b V + c Q` at its vertices.
-    fn set_up(&self, [p0, p1, p2]: [[f64; 4]; 3]) -> SetUp {
+    fn set_up(&self, [p0, p1, p2]: [[f64; 4]; 3], max_nearness: f32) -> SetUp {
         let mut corners = [[0.0; 2]; MAX_CORNERS];
         let (mut low, mut high) = (f32::INFINITY, 0.0_f32);
         for (corner, polygon) in corners.iter_mut().zip(self.corners()) {
-            let [u, v, n] = polygon.seen();
+            let [u, v, n] = polygon.seen(max_nearness);
             *corner = [u, v];
             (low, high) = (low.min(n), high.max(n));
         }
