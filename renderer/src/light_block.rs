@@ -6,7 +6,9 @@
 //! all levels give the same bits.
 
 use glam::Vec3;
-use shadowmap_core::{Level, LevelKind, View, Warp};
+#[cfg(target_arch = "x86_64")]
+use shadowmap_core::LevelKind;
+use shadowmap_core::{Level, View, Warp};
 
 use crate::emitters::Emitter;
 use crate::tone::STEPS;
