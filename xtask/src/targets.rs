@@ -63,7 +63,7 @@ pub const I686: Target = Target {
     linker: Some("i686-linux-gnu-gcc"),
     runner: &[],
     flags: "",
-    packages: &["gcc-i686-linux-gnu", "libc6-dev-i386-cross", "libc6-i386"],
+    packages: &["gcc-i686-linux-gnu", "libc6-dev-i386-cross", "libc6-i386", "lib32gcc-s1"],
 };
 
 /// WebAssembly without and with SIMD.

@@ -17,6 +17,9 @@ WebAssembly (without and with SIMD), and of a tiny render on an emulated microco
   --here     this machine only
   --bless    write this machine's hashes to tests/verify/golden.tsv";
 
+/// So much of an error is shown.
+const LINES: usize = 12;
+
 /// Item to hash, of one column of the table.
 type Column = BTreeMap<String, String>;
 
@@ -83,9 +86,18 @@ fn output(mut command: Command) -> Result<String, String> {
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
-    let error = String::from_utf8_lossy(&output.stderr);
-    let tail: Vec<&str> = error.lines().rev().take(8).collect();
-    Err(tail.into_iter().rev().collect::<Vec<_>>().join("\n"))
+    let text = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{}\n{}", output.status, what_failed(&text)))
+}
+
+/// The errors among what a command said, without its warnings; its last lines if it names none.
+fn what_failed(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let first = lines.iter().position(|line| {
+        line.starts_with("error") || line.contains("panicked at") || line.contains("cannot open")
+    });
+    let start = first.unwrap_or(lines.len().saturating_sub(LINES));
+    lines[start..].iter().take(LINES).copied().collect::<Vec<_>>().join("\n")
 }
 
 /// The table of a target that runs programs.
