@@ -159,9 +159,13 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "1")]
     pub repeat: String,
 
-    /// Refuse pictures and maps that need more memory than this, in megabytes.
+    /// Refuse models, pictures and maps that need more memory than this, in megabytes.
     #[arg(long, value_name = "MB", default_value = "8192")]
     pub max_memory: String,
+
+    /// Refuse models with more triangles than this, all instances counted.
+    #[arg(long, value_name = "N", default_value = "50000000")]
+    pub max_triangles: String,
 }
 
 const RENDER_EXAMPLES: &str = "\
@@ -194,4 +198,8 @@ pub struct CompareArgs {
     /// Write the absolute difference: numbers to .exr and .pfm, colours from 0 to 0.25 to .png.
     #[arg(long, value_name = "FILE")]
     pub diff: Option<PathBuf>,
+
+    /// Refuse pictures that need more memory than this, in megabytes.
+    #[arg(long, value_name = "MB", default_value = "8192")]
+    pub max_memory: u32,
 }

@@ -100,7 +100,9 @@ pub fn compare_files(
     a: &Path,
     b: &Path,
     reference: Option<&Path>,
+    max_memory: u64,
 ) -> Result<(Comparison, Picture), Error> {
+    let read = |path| read(path, max_memory);
     let (a, b) = (read(a)?, read(b)?);
     let reference = reference.map(read).transpose()?;
     let comparison = compare(&a, &b, reference.as_ref().unwrap_or(&b))?;

@@ -8,17 +8,12 @@ use std::fmt;
 pub struct Error(String);
 
 impl Error {
-    /// An error with that text; line breaks become spaces.
+    /// An error with that text; line breaks and other control characters become spaces.
     #[must_use]
     pub fn new(text: impl fmt::Display) -> Error {
         let text = text.to_string();
-        Error(
-            text.split(['\r', '\n'])
-                .map(str::trim)
-                .filter(|l| !l.is_empty())
-                .collect::<Vec<_>>()
-                .join(" "),
-        )
+        let words = text.split(|c: char| c.is_control()).map(str::trim);
+        Error(words.filter(|words| !words.is_empty()).collect::<Vec<_>>().join(" "))
     }
 }
 

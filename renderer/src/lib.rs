@@ -57,6 +57,8 @@ pub mod lighting;
 pub mod load;
 #[cfg(feature = "program")]
 pub mod mask;
+#[cfg(feature = "program")]
+pub mod memory;
 pub mod method;
 #[cfg(feature = "program")]
 pub mod pass;

@@ -38,7 +38,9 @@ fn main() -> ExitCode {
 fn compare(args: &CompareArgs) -> Result<(), Error> {
     let format = args.diff.as_deref().map(Format::of).transpose()?;
     args.diff.as_deref().map(check_place).transpose()?;
-    let (comparison, difference) = compare_files(&args.a, &args.b, args.reference.as_deref())?;
+    let most = u64::from(args.max_memory) << 20;
+    let (comparison, difference) =
+        compare_files(&args.a, &args.b, args.reference.as_deref(), most)?;
     if let (Some(path), Some(format)) = (&args.diff, format) {
         let contents = difference.encode(format);
         let contents =

@@ -1,6 +1,6 @@
 //! The command `mask`: a shadow mask from depth buffers that another program has drawn.
 
-mod buffer;
+pub mod buffer;
 mod output;
 mod views;
 
@@ -73,6 +73,10 @@ pub struct MaskArgs {
     /// Write how long it took, and what happened, as JSON.
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+
+    /// Refuse buffers that need more memory than this, in megabytes.
+    #[arg(long, value_name = "MB", default_value = "8192")]
+    pub max_memory: u32,
 }
 
 const MASK_HELP: &str = "\
@@ -102,8 +106,8 @@ struct Seen {
 }
 
 /// Reads a buffer, its top row first.
-fn read(path: &Path, channels: usize, origin: Origin) -> Result<Buffer, Error> {
-    let mut buffer = Buffer::read(path, channels)?;
+fn read(path: &Path, channels: usize, origin: Origin, max_memory: u64) -> Result<Buffer, Error> {
+    let mut buffer = Buffer::read(path, channels, max_memory)?;
     if origin == Origin::BottomLeft {
         buffer.flip();
     }
@@ -117,9 +121,10 @@ impl Seen {
         foreign: &ForeignView,
         depth: &Path,
         ids: Option<&Path>,
+        max_memory: u64,
     ) -> Result<Seen, Error> {
         let origin = views.origin(foreign);
-        let buffer = read(depth, 1, origin)?;
+        let buffer = read(depth, 1, origin, max_memory)?;
         let (width, height) = (buffer.width, buffer.height);
         let foreign = views.foreign_depth(name, foreign, [width, height])?;
         let mut map = DepthBuffer::new(width, height);
@@ -137,15 +142,15 @@ impl Seen {
             )));
         }
         if let Some(path) = ids {
-            let ids = read(path, 1, origin)?;
+            let ids = read(path, 1, origin, max_memory)?;
             check_size(path, &ids, &map)?;
             map.payload = ids.into_ids();
         }
         Ok(Seen { view: *foreign.view(), origin, map })
     }
 
-    fn normals(&self, path: &Path) -> Result<Vec<Vec3>, Error> {
-        let normals = read(path, 3, self.origin)?;
+    fn normals(&self, path: &Path, max_memory: u64) -> Result<Vec<Vec3>, Error> {
+        let normals = read(path, 3, self.origin, max_memory)?;
         check_size(path, &normals, &self.map)?;
         Ok(normals.into_vectors())
     }
@@ -188,13 +193,14 @@ fn mask_on(args: &MaskArgs, threads: Threads) -> Result<(), Error> {
     let start = Instant::now();
     let [mut read_time, mut pyramid_time, mut shadow] = [Duration::ZERO; 3];
     let (camera, normals, light) = timed(&mut read_time, || {
+        let most = u64::from(args.max_memory) << 20;
         let views = Views::read(&args.views)?;
         let ids = args.camera_ids.as_deref();
-        let camera = Seen::read("camera", &views, &views.camera, &args.camera_depth, ids)?;
-        let normals =
-            args.camera_normals.as_deref().map(|path| camera.normals(path)).transpose()?;
+        let camera = Seen::read("camera", &views, &views.camera, &args.camera_depth, ids, most)?;
+        let normals = args.camera_normals.as_deref();
+        let normals = normals.map(|path| camera.normals(path, most)).transpose()?;
         let ids = args.light_ids.as_deref();
-        let light = Seen::read("light", &views, &views.light, &args.light_depth, ids)?;
+        let light = Seen::read("light", &views, &views.light, &args.light_depth, ids, most)?;
         Ok::<_, Error>((camera, normals, light))
     })?;
     let parameters = parameters(args, &light.view)?;

@@ -3,7 +3,7 @@
 mod read;
 mod write;
 
-pub use read::read;
+pub use read::{decode, read, read_bytes};
 pub use write::{Format, check_place, floats, write_file};
 
 use nv_flip::magma_lut;

@@ -13,7 +13,8 @@ use crate::camera::{choose, view};
 use crate::default_light::default_lights;
 use crate::frame::{Frame, Shot};
 use crate::lighting::LightJob;
-use crate::load::{Limits, load};
+use crate::load::load;
+use crate::memory::FrameSize;
 use crate::method::Method;
 use crate::picture::{check_place, write_file};
 use crate::prepared::Prepared;
@@ -54,12 +55,12 @@ fn render_on(settings: &Settings, threads: Threads) -> Result<(), Error> {
     }
     let prepared = Prepared::new(&scene);
     let lights = chosen_lights(settings, &scene, alternatives);
-    check_memory(settings, &lights)?;
     let size = settings.size.map(|side| side * settings.aa);
     let view = view(&camera, size, prepared.bounds());
     let jobs =
         lights.iter().map(|light| LightJob::new(light, &settings.light_options, &prepared, &view));
     let jobs = jobs.collect::<Result<Vec<_>, _>>()?;
+    check_memory(settings, &scene, &jobs)?;
     let is_solid =
         |triangle: u32, [_, b1, b2]: [f32; 3]| prepared.is_solid(triangle as usize, b1, b2);
     let traced = jobs.iter().any(|job| job.method == Method::RayTraced);
@@ -131,8 +132,7 @@ fn load_file(settings: &Settings) -> Result<Scene, Error> {
             settings.scene
         )));
     }
-    let limits = Limits { max_memory: settings.max_memory, ..Limits::default() };
-    load(path, &limits).map_err(Error::new)
+    load(path, &settings.limits).map_err(Error::new)
 }
 
 /// The lights that were asked for, else the scene's own; of alternatives the first one that suits
@@ -158,24 +158,25 @@ fn chosen_lights(settings: &Settings, scene: &Scene, alternatives: bool) -> Vec<
 }
 
 /// Refuses what could not be held, before anything is allocated.
-fn check_memory(settings: &Settings, lights: &[SceneLight]) -> Result<(), Error> {
-    let [width, height] = settings.size.map(u64::from);
-    let aa = u64::from(settings.aa);
-    // Camera: nearness, triangle, visibility of each light and of one part of it.
-    let per_sample = 8 + 4 * (lights.len() as u64 + 2);
-    // The picture, and its file in the making: floats or bytes.
-    let per_pixel = if settings.output.1.is_float() { 36 } else { 12 };
-    let picture = width * height * (aa * aa * per_sample + per_pixel);
-    let side = u64::from(settings.light_options.map_size);
-    let maps = side * side * 8;
-    let needed = picture + maps;
-    if needed <= settings.max_memory {
+fn check_memory(settings: &Settings, scene: &Scene, lights: &[LightJob]) -> Result<(), Error> {
+    let (aa, map_size) = (settings.aa, settings.light_options.map_size);
+    let frame = FrameSize {
+        size: settings.size,
+        aa,
+        is_float: settings.output.1.is_float(),
+        triangles: scene.mesh.triangles.len(),
+        map_size,
+        lights,
+    };
+    let (needed, limit) = (frame.bytes(), settings.limits.max_memory);
+    if needed <= limit {
         return Ok(());
     }
-    let (needed, limit) = (needed >> 20, settings.max_memory >> 20);
+    let ([width, height], needed, limit) = (settings.size, needed >> 20, limit >> 20);
+    let samples = lights.iter().map(|light| light.samples).max().unwrap_or(1);
     Err(Error::new(format_args!(
-        "--size {width}x{height} --aa {aa} --map-size {side}: needs about {needed} MB, the limit \
-         is --max-memory {limit}"
+        "--size {width}x{height} --aa {aa} --map-size {map_size} --samples {samples}: needs about \
+         {needed} MB, the limit is --max-memory {limit}"
     )))
 }
 

@@ -10,6 +10,7 @@ use crate::camera::CameraOptions;
 use crate::cli::RenderArgs;
 use crate::light_views::ByHand;
 use crate::lighting::LightOptions;
+use crate::load::Limits;
 use crate::method::Method;
 use crate::pass::Pass;
 use crate::picture::Format;
@@ -47,8 +48,8 @@ pub struct Settings {
     pub stats: Option<PathBuf>,
     /// Repetitions.
     pub repeat: u32,
-    /// Bytes that pictures and maps may take.
-    pub max_memory: u64,
+    /// What a scene file may ask for; pictures and maps may take as much memory.
+    pub limits: Limits,
 }
 
 impl Settings {
@@ -111,7 +112,10 @@ impl Settings {
             threads: threads.map_or(available, |threads| threads as usize),
             stats: args.stats.clone(),
             repeat: count("--repeat", &args.repeat, 1..=1_000_000)?,
-            max_memory: u64::from(megabytes) << 20,
+            limits: Limits {
+                max_memory: u64::from(megabytes) << 20,
+                max_triangles: count("--max-triangles", &args.max_triangles, 1..=u32::MAX)?.into(),
+            },
         })
     }
 }

@@ -35,7 +35,7 @@ impl Budget {
         self.triangles = self.triangles.saturating_add(count);
         if self.triangles > self.limits.max_triangles {
             return Err(Fault::TooLarge(format!(
-                "the scene has more than {} triangles, the limit",
+                "the scene has more than {} triangles, the limit (--max-triangles)",
                 self.limits.max_triangles
             )));
         }
@@ -47,7 +47,7 @@ impl Budget {
         self.memory = self.memory.saturating_add(bytes);
         if self.memory > self.limits.max_memory {
             return Err(Fault::TooLarge(format!(
-                "{what} would need more memory than the limit of {} MiB",
+                "{what} would need more memory than the limit (--max-memory) of {} MB",
                 self.limits.max_memory >> 20
             )));
         }

@@ -1,12 +1,11 @@
 //! Depth and ID buffers from files.
 
-use std::fs;
 use std::path::Path;
 
 use glam::Vec3;
 
 use crate::Error;
-use crate::picture;
+use crate::picture::{self, Format};
 
 /// The longest side of a buffer.
 const MAX_SIDE: u64 = 16_384;
@@ -35,32 +34,74 @@ enum Numbers {
     Whole(Vec<u32>),
 }
 
+/// The kinds of files that hold a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// NumPy's: any plain number type, shape (height, width, channels); one channel may be left
+    /// out.
+    Npy,
+    /// Grey of 8 or 16 bits.
+    Png,
+    /// Floats in a picture.
+    Picture(Format),
+}
+
+impl Kind {
+    /// By the ending of the file's name; `None` for all but .npy, .pfm, .exr and .png.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Kind> {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        match ending.as_str() {
+            "npy" => Some(Kind::Npy),
+            "png" => Some(Kind::Png),
+            "pfm" => Some(Kind::Picture(Format::Pfm)),
+            "exr" => Some(Kind::Picture(Format::Exr)),
+            _ => None,
+        }
+    }
+}
+
 impl Buffer {
-    /// Reads .npy (any plain number type, shape (height, width, channels); one channel may be left
-    /// out), .pfm, .exr or, with one channel, .png (8 or 16 bits, grey).
+    /// Reads a file of a [`Kind`] that its name tells, with that many channels.
     ///
     /// # Errors
     ///
-    /// If the file cannot be read, is none of these, or has another number of channels; the
-    /// message names it.
-    pub fn read(path: &Path, channels: usize) -> Result<Buffer, Error> {
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    /// If the file cannot be read, is of no such kind, has another number of channels or needs more
+    /// than `max_memory` bytes; the message names it.
+    pub fn read(path: &Path, channels: usize, max_memory: u64) -> Result<Buffer, Error> {
         let wrong = |why: String| Error::new(format_args!("{}: {why}", path.display()));
-        let bytes = || fs::read(path).map_err(|error| wrong(error.to_string()));
-        let buffer = match ending.as_str() {
-            "npy" => read_npy(&bytes()?).map_err(wrong)?,
-            "png" => read_png(&bytes()?).map_err(wrong)?,
-            "pfm" | "exr" => {
-                let picture = picture::read(path)?;
-                let (width, height) = (picture.width, picture.height);
+        let Some(kind) = Kind::of(path) else {
+            return Err(wrong("a buffer must end in .npy, .pfm, .exr or .png".into()));
+        };
+        let bytes = picture::read_bytes(path, max_memory)?;
+        Buffer::decode(kind, &bytes, channels, max_memory).map_err(wrong)
+    }
+
+    /// The buffer in the bytes of a file, as [`Buffer::read`].
+    ///
+    /// # Errors
+    ///
+    /// If they are no file of that kind, have another number of channels, or need more than
+    /// `max_memory` bytes.
+    pub fn decode(
+        kind: Kind,
+        bytes: &[u8],
+        channels: usize,
+        max_memory: u64,
+    ) -> Result<Buffer, String> {
+        let buffer = match kind {
+            Kind::Npy => decode_npy(bytes)?,
+            Kind::Png => decode_png(bytes, max_memory)?,
+            Kind::Picture(format) => {
+                let picture = picture::decode(format, bytes, max_memory)?;
+                let (width, height) = sides(picture.width.into(), picture.height.into())?;
                 let numbers = Numbers::Floats(picture.to_floats());
                 Buffer { width, height, channels: picture.channels, numbers, full_scale: 1.0 }
             }
-            _ => return Err(wrong("a buffer must end in .npy, .pfm, .exr or .png".into())),
         };
         if buffer.channels != channels {
             let found = buffer.channels;
-            return Err(wrong(format!("it has {found} numbers per pixel, not {channels}")));
+            return Err(format!("it has {found} numbers per pixel, not {channels}"));
         }
         Ok(buffer)
     }
@@ -118,10 +159,11 @@ fn sides(width: u64, height: u64) -> Result<(u32, u32), String> {
     }
 }
 
-fn read_png(bytes: &[u8]) -> Result<Buffer, String> {
+fn decode_png(bytes: &[u8], max_memory: u64) -> Result<Buffer, String> {
     let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes));
     reader.set_format(image::ImageFormat::Png);
-    let mut limits = image::Limits::default();
+    let mut limits = image::Limits::no_limits();
+    limits.max_alloc = Some(max_memory);
     (limits.max_image_width, limits.max_image_height) =
         (Some(MAX_SIDE as u32), Some(MAX_SIDE as u32));
     reader.limits(limits);
@@ -139,7 +181,7 @@ fn read_png(bytes: &[u8]) -> Result<Buffer, String> {
     Ok(Buffer { width, height, channels: 1, numbers: Numbers::Whole(values), full_scale })
 }
 
-fn read_npy(bytes: &[u8]) -> Result<Buffer, String> {
+fn decode_npy(bytes: &[u8]) -> Result<Buffer, String> {
     // The length of the header stands in two bytes (version 1) or four.
     let length = match bytes {
         [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => {

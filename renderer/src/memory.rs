@@ -1,0 +1,80 @@
+//! How much memory a frame takes, told before any is taken.
+
+use crate::lighting::{LightJob, Plan};
+use crate::method::Method;
+
+/// What a frame is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameSize<'a> {
+    /// Width and height of the picture.
+    pub size: [u32; 2],
+    /// Pixels of the camera per pixel of the picture along each axis.
+    pub aa: u32,
+    /// Whether the picture's file holds floats.
+    pub is_float: bool,
+    /// Triangles of the scene.
+    pub triangles: usize,
+    /// Side of the light maps.
+    pub map_size: u32,
+    /// The lights.
+    pub lights: &'a [LightJob],
+}
+
+impl FrameSize<'_> {
+    /// Bytes that the frame takes at most, about: maps, visibility, the picture and its file.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let [width, height] = self.size.map(u64::from);
+        let samples = (width * height).saturating_mul(u64::from(self.aa * self.aa));
+        let worst = |bytes: &dyn Fn(&LightJob) -> u64| self.lights.iter().map(bytes).max();
+        let extra = worst(&|light| bytes_per_sample(light)).unwrap_or(0);
+        // Nearness and triangle that the camera sees, and the visibility of each light.
+        let per_sample = 8 + 4 * self.lights.len() as u64 + extra;
+        // The picture, a copy of it to be written, and its file in the making: floats or bytes.
+        let per_pixel = if self.is_float { 36 } else { 12 };
+        let picture = samples
+            .saturating_mul(per_sample)
+            .saturating_add((width * height).saturating_mul(per_pixel));
+        // Lights are drawn one after another.
+        picture.saturating_add(worst(&|light| self.map_bytes(light)).unwrap_or(0))
+    }
+
+    fn map_bytes(&self, light: &LightJob) -> u64 {
+        let texels = u64::from(self.map_size) * u64::from(self.map_size);
+        // Nearness and object ID, and what is built over them.
+        let per_texel = if light.method == Method::Skins { 16 } else { 9 };
+        // Vertices and bins of each view, or the nodes of a tree of boxes.
+        let per_triangle = 64;
+        let triangles = (self.triangles as u64).saturating_mul(per_triangle);
+        let maps = maps_at_once(&light.plan);
+        let maps = maps.saturating_mul(texels.saturating_mul(per_texel).saturating_add(triangles));
+        maps.max(triangles)
+    }
+}
+
+/// How many maps are held at the same time.
+fn maps_at_once(plan: &Plan) -> u64 {
+    let most = match plan {
+        Plan::Middle(views) => Some(views.len()),
+        Plan::Points(points) => points.iter().map(Vec::len).max(),
+        Plan::Lines(lines) => lines
+            .iter()
+            .map(|(_, line)| line.frusta().iter().map(|frustum| frustum.views().len()).sum())
+            .max(),
+        Plan::Rays => None,
+    };
+    most.unwrap_or(0) as u64
+}
+
+/// What drawing a light takes per sample of the picture beside its visibility.
+fn bytes_per_sample(light: &LightJob) -> u64 {
+    match &light.plan {
+        // Receivers of one face, and their visibility.
+        Plan::Middle(views) if views.len() > 1 => 8,
+        Plan::Middle(_) => 0,
+        Plan::Points(points) if points.iter().any(|views| views.len() > 1) => 12,
+        Plan::Points(_) | Plan::Lines(_) => 4,
+        // Positions and normals.
+        Plan::Rays => 24,
+    }
+}
