@@ -6,6 +6,7 @@ use std::process::{Command, ExitCode};
 
 mod ci;
 mod cross;
+mod fuzz;
 mod run;
 mod targets;
 mod verify;
@@ -19,6 +20,7 @@ cargo xtask <command> [options]
   figures [options]          redraw the papers' figures as one report in target/figures
   ci                         everything that the hosted checks run
   cross [--full]             build and test for other targets
+  fuzz [--seconds N]         any input whatsoever, for N seconds per entry point
   verify [--here]            the same bits at every SIMD level, thread count and target
 
 Every command explains itself with --help.";
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
         "bench" | "figures" => package("measure", &command, &rest),
         "ci" => ci::run(&rest),
         "cross" => cross::run(&rest),
+        "fuzz" => fuzz::run(&rest),
         "verify" => verify::run(&rest),
         "" | "help" | "--help" | "-h" => {
             println!("{HELP}");

@@ -5,8 +5,7 @@ use renderer::load::{Format, Limits, load, load_bytes};
 use renderer::scene::{AlphaMode, CameraProjection, Scene, SceneLight, Wrap};
 use serde_json::json;
 use shadowmap_core::Light;
-
-use crate::generate::{MTL, OBJ, everything, png};
+use test_models::{MTL, OBJ, everything, png};
 
 fn gltf(bytes: &[u8]) -> Scene {
     load_bytes(Format::Gltf, bytes, &Limits::default()).unwrap_or_else(|e| panic!("{e}"))

@@ -4,8 +4,7 @@ use std::time::{Duration, Instant};
 
 use renderer::load::{Fault, Format, Limits, load, load_bytes};
 use serde_json::{Value, json};
-
-use crate::generate::{Gltf, OBJ, everything, glb};
+use test_models::{Gltf, OBJ, everything, glb};
 
 /// What was done to a file, and what its error must say.
 type Case = (&'static str, fn(&mut Gltf), &'static str);

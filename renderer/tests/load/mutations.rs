@@ -3,8 +3,7 @@
 use glam::Vec3;
 use renderer::load::{Format, Limits, load_bytes};
 use serde_json::{Value, json};
-
-use crate::generate::{OBJ, everything};
+use test_models::{OBJ, everything};
 
 const LIMITS: Limits = Limits { max_triangles: 100_000, max_memory: 64 << 20 };
 

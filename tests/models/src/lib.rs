@@ -1,23 +1,28 @@
-//! Sound files made in code, for the tests to read and to break.
+//! Sound scene files made in code, for tests to read and to break.
+#![forbid(unsafe_code)]
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 /// A glTF file in the making: its JSON and its one buffer.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Gltf {
+    /// The JSON.
     pub json: Value,
+    /// The buffer.
     pub binary: Vec<u8>,
 }
 
 impl Gltf {
     /// As a `.glb` file.
+    #[must_use]
     pub fn glb(&self) -> Vec<u8> {
         glb(self.json.to_string().as_bytes(), &self.binary)
     }
 
     /// As a `.gltf` file with a data URI.
+    #[must_use]
     pub fn gltf(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         let data = STANDARD.encode(&self.binary);
@@ -26,6 +31,10 @@ impl Gltf {
     }
 
     /// The value at a JSON pointer.
+    ///
+    /// # Panics
+    ///
+    /// If there is none.
     pub fn at(&mut self, pointer: &str) -> &mut Value {
         self.json.pointer_mut(pointer).unwrap_or_else(|| panic!("{pointer} does not exist"))
     }
@@ -58,6 +67,7 @@ impl Gltf {
 }
 
 /// A `.glb` file of a JSON chunk and a binary chunk.
+#[must_use]
 pub fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
     let mut json = json.to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
@@ -81,6 +91,11 @@ fn le16(numbers: &[u16]) -> Vec<u8> {
 }
 
 /// A PNG of 2 x 1 texels, white and half transparent red.
+///
+/// # Panics
+///
+/// Never: it fits into memory.
+#[must_use]
 pub fn png() -> Vec<u8> {
     let texels = vec![255, 255, 255, 255, 255, 0, 0, 128];
     let image = image::RgbaImage::from_raw(2, 1, texels).unwrap();
@@ -93,6 +108,7 @@ pub fn png() -> Vec<u8> {
 /// coordinates, colours and a texture; a strip and a fan of 2 triangles (node 2); a triangle with
 /// a sparse corner (node 3); quantized positions (node 4); lights and a camera (nodes 5 to 9).
 /// 2 + 4 + 1 + 1 = 8 triangles.
+#[must_use]
 pub fn everything() -> Gltf {
     let mut g = Gltf { json: json!({}), binary: Vec::new() };
     for list in ["bufferViews", "accessors", "meshes", "nodes", "materials", "textures", "images"] {
