@@ -29,8 +29,8 @@ pub fn check(bytes: &[u8]) {
             .then(|| ByHand { target: bytes.vector(), fov: bytes.number() }),
         ..default
     };
-    let Ok(job) = LightJob::new(&light, &options, &prepared) else { return };
     let camera = view(&camera(bytes), [14, 12], prepared.bounds());
+    let Ok(job) = LightJob::new(&light, &options, &prepared, &camera) else { return };
     let tracer = Tracer::new(&scene.mesh.as_mesh());
     let shot = Shot {
         prepared: &prepared,
