@@ -9,6 +9,7 @@ mod page;
 mod raster;
 mod readme;
 mod report;
+mod search;
 
 pub use harness::{Bench, Group, Variant};
 
@@ -20,7 +21,7 @@ use options::Options;
 type Part = (&'static str, fn(&mut Bench));
 
 /// One part per stage, in the order of the data.
-const PARTS: &[Part] = &[("raster", raster::run), ("frame", frame::run)];
+const PARTS: &[Part] = &[("raster", raster::run), ("search", search::run), ("frame", frame::run)];
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
