@@ -90,6 +90,7 @@ mod pyramid;
 mod query;
 mod reach;
 mod search;
+mod tiles;
 mod visits;
 mod walk;
 

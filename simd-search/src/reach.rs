@@ -164,13 +164,19 @@ impl Extremes {
     /// `None` if a number was not finite.
     #[inline(always)]
     fn fold(&self) -> Option<[f32; 2]> {
-        let (mut least, mut most, mut finite) = (self.least[0], self.most[0], 0.0);
-        for i in 0..LANES {
-            least = if self.least[i] < least { self.least[i] } else { least };
-            most = if self.most[i] > most { self.most[i] } else { most };
-            finite += self.finite[i];
+        let mut all = *self;
+        let mut count = LANES / 2;
+        while count > 0 {
+            for i in 0..count {
+                let j = i + count;
+                all.least[i] =
+                    if all.least[j] < all.least[i] { all.least[j] } else { all.least[i] };
+                all.most[i] = if all.most[j] > all.most[i] { all.most[j] } else { all.most[i] };
+                all.finite[i] += all.finite[j];
+            }
+            count /= 2;
         }
-        (finite == 0.0).then_some([least, most])
+        (all.finite[0] == 0.0).then_some([all.least[0], all.most[0]])
     }
 }
 

@@ -53,7 +53,19 @@ impl TileTest {
     /// Places the test at the tile whose first texel is (x, y).
     #[inline(always)]
     pub fn place(&mut self, x: u32, y: u32) {
+        self.place_rows(y);
+        self.place_columns(x);
+    }
+
+    /// The first half of [`TileTest::place`].
+    #[inline(always)]
+    fn place_columns(&mut self, x: u32) {
         self.first = x as f32 + 0.5;
+    }
+
+    /// The second half of [`TileTest::place`], the same for all tiles side by side.
+    #[inline(always)]
+    fn place_rows(&mut self, y: u32) {
         let top = y as f32 + 0.5;
         for row in 0..ROWS {
             let dy = (top + row as f32) - self.v;
@@ -142,6 +154,20 @@ impl<'a> Search<'a> {
         ]
     }
 
+    /// The columns that can still hold the answer in rows at least `dy` away.
+    #[inline(always)]
+    fn columns(&self, dy: f32) -> Range<u32> {
+        let dy = (dy - self.query.jitter_amplitude()).max(0.0);
+        // Room for rounding, here and in the texels' own distance.
+        let room = self.test.reach_squared * (1.0 / 1048576.0);
+        let left = (self.test.reach_squared - dy * dy) + room;
+        if left < 0.0 {
+            return 0..0;
+        }
+        let radius = sqrt(left) + self.query.jitter_amplitude();
+        reach(self.query.point.u, radius, self.map.width())
+    }
+
     /// Asks the texels of the tile that starts at (x, y), or one further left or up where that
     /// does not fit into the map.
     #[inline(always)]
@@ -149,9 +175,16 @@ impl<'a> Search<'a> {
         if !self.by_tiles {
             return self.ask_one_by_one(x, y);
         }
-        let x = x.min(self.map.width() - COLUMNS as u32);
         let y = y.min(self.map.height() - ROWS as u32);
-        self.test.place(x, y);
+        self.test.place_rows(y);
+        self.ask_in_rows(ops, x, y);
+    }
+
+    /// [`Search::ask_tile`] where the test is placed at its rows.
+    #[inline(always)]
+    fn ask_in_rows(&mut self, ops: &impl Ops, x: u32, y: u32) {
+        let x = x.min(self.map.width() - COLUMNS as u32);
+        self.test.place_columns(x);
         let mut all = u128::MAX;
         loop {
             // Again whenever the bound has changed, so that few texels are asked in vain.
@@ -210,11 +243,7 @@ impl<'a> Search<'a> {
             let before = self.test.reach_squared;
             downwards = if downwards { above <= rows.start } else { below < rows.end };
             let y = if downwards { below } else { above.saturating_sub(ROWS as u32) };
-            let mut x = columns.start;
-            while x < columns.end {
-                self.ask_tile(ops, x, y);
-                x = x.saturating_add(COLUMNS as u32);
-            }
+            self.ask_rows(ops, &columns, y);
             if downwards {
                 below = y.saturating_add(ROWS as u32);
             } else {
@@ -225,12 +254,35 @@ impl<'a> Search<'a> {
             }
         }
     }
+
+    /// Asks the texels of as many rows as a tile has, as far as they can hold the answer.
+    #[inline(always)]
+    fn ask_rows(&mut self, ops: &impl Ops, columns: &Range<u32>, y: u32) {
+        let mut columns = columns.clone();
+        if columns.len() > 3 * COLUMNS {
+            // The corners of the box are out of reach.
+            let (first, last) = (y as f32 + 0.5, y as f32 + (ROWS as f32 - 0.5));
+            let v = self.query.point.v;
+            columns = self.columns((first - v).max(v - last));
+        }
+        if !self.by_tiles {
+            for x in columns.step_by(COLUMNS) {
+                self.ask_one_by_one(x, y);
+            }
+            return;
+        }
+        let y = y.min(self.map.height() - ROWS as u32);
+        self.test.place_rows(y);
+        for x in columns.step_by(COLUMNS) {
+            self.ask_in_rows(ops, x, y);
+        }
+    }
 }
 
 /// A number not below the square root of `x` by more than rounding, nor above by more than 1/800:
 /// half of the exponent, then one step of Newton's method, which always ends above the root.
 #[inline(always)]
-fn sqrt(x: f32) -> f32 {
+pub(crate) fn sqrt(x: f32) -> f32 {
     let estimate = f32::from_bits((x.to_bits() >> 1) + 0x1fbd_1df5);
     0.5 * (estimate + x / estimate)
 }

@@ -35,23 +35,41 @@ fn all(x: f32) -> __m512 {
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
     let dx = _mm512_sub_ps(_mm512_add_ps(all(test.first), cast(LANE)), all(test.u));
     let (rise_x, dx_squared) = (_mm512_mul_ps(all(test.slope[0]), dx), _mm512_mul_ps(dx, dx));
-    let (mut near, mut blocks) = ([0u16; ROWS], [0u16; ROWS]);
+    let mut masks = [0u16; ROWS];
     for row in 0..ROWS {
         let texels: __m512 = cast(*rows[row]);
         let rise = _mm512_add_ps(rise_x, all(test.rise[row]));
         let plane = _mm512_add_ps(_mm512_add_ps(all(test.nearness), rise), all(test.offset));
+        masks[row] = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(texels, plane);
+    }
+    let blocks = word(masks);
+    let found = if test.lit { !blocks } else { blocks };
+    if found == 0 {
+        return 0;
+    }
+    for row in 0..ROWS {
         let distance = _mm512_add_ps(dx_squared, all(test.dy_squared[row]));
-        blocks[row] = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(texels, plane);
-        near[row] = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
+        masks[row] = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(distance, all(test.reach_squared));
         if let Some(key) = test.ratio {
+            let texels: __m512 = cast(*rows[row]);
             let nearer = _mm512_sub_ps(texels, all(test.nearness));
             let within = _mm512_mul_ps(all(key * RATIO_ROOM), _mm512_mul_ps(nearer, nearer));
-            near[row] &= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(nearer, all(0.0))
+            masks[row] &= _mm512_cmp_ps_mask::<_CMP_GT_OQ>(nearer, all(0.0))
                 & _mm512_cmp_ps_mask::<_CMP_NGT_UQ>(distance, within);
         }
     }
-    let (near, blocks): (u128, u128) = (cast(near), cast(blocks));
-    if test.lit { near & !blocks } else { near & blocks }
+    found & word(masks)
+}
+
+#[inline(always)]
+fn word(m: [u16; ROWS]) -> u128 {
+    let half = |i: usize| {
+        u64::from(m[i])
+            | u64::from(m[i + 1]) << 16
+            | u64::from(m[i + 2]) << 32
+            | u64::from(m[i + 3]) << 48
+    };
+    u128::from(half(0)) | u128::from(half(4)) << 64
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
