@@ -1,13 +1,17 @@
 //! The search for the nearest blocker or lit texel: every level, in the box around the receiver and
 //! with the pyramid, against the naive search; what is visited; what the pyramid costs.
 
+use std::hint::black_box;
+
 use glam::Vec3;
 use raster::{DepthBuffer, Payload, Rasterizer};
 use renderer::builtin;
 use renderer::camera::{CameraOptions, choose, view};
 use renderer::prepared::Prepared;
 use renderer::scene::Scene;
-use shadowmap_core::{Bias, DepthMap, HardShadow, Level, Light, Threads, View, hard_shadow};
+use shadowmap_core::{
+    Bias, DepthMap, HardShadow, Level, Light, LightPoint, Threads, View, hard_shadow,
+};
 use simd_search::{Hit, NodeGroup, Pyramid, Query, Side, Visits, naive, nearest};
 
 use super::{Bench, Group, Variant};
@@ -62,12 +66,29 @@ pub fn run(bench: &mut Bench) {
     }
 }
 
+/// Neighbouring receivers.
+type Block = Vec<Receiver>;
+
+/// One receiver, and what it looks for.
+#[derive(Clone, Copy)]
+struct Receiver {
+    point: LightPoint,
+    side: Side,
+    radius: f32,
+}
+
+impl Receiver {
+    fn query(&self) -> Query {
+        let offset = Bias::default().offset(&self.point);
+        Query { side: self.side, ..Query::new(self.point, offset, self.radius) }
+    }
+}
+
 /// A scene as its spherical light sees it, and the receivers.
 struct Lit {
     view: View,
     map: DepthBuffer,
-    /// Blocks of neighbouring receivers, each with the side that it searches for.
-    blocks: Vec<Vec<Query>>,
+    blocks: Vec<Block>,
 }
 
 impl Lit {
@@ -101,13 +122,13 @@ impl Lit {
                 HardShadow::Blocked => Side::Lit,
                 HardShadow::Outside => return None,
             };
-            Some(Query { side, ..Query::new(point, Bias::default().offset(&point), 0.0) })
+            Some(Receiver { point, side, radius: 0.0 })
         };
         let mut blocks = Vec::new();
         for top in (0..CAMERA).step_by(BLOCK as usize) {
             for left in (0..CAMERA).step_by(BLOCK as usize) {
                 let pixels = (0..BLOCK * BLOCK).map(|i| (left + i % BLOCK, top + i / BLOCK));
-                let block: Vec<Query> = pixels.filter_map(|(x, y)| receiver(x, y)).collect();
+                let block: Block = pixels.filter_map(|(x, y)| receiver(x, y)).collect();
                 if !block.is_empty() {
                     blocks.push(block);
                 }
@@ -117,13 +138,13 @@ impl Lit {
     }
 
     /// About `count` receivers, spread evenly over the picture, that look `radius` texels far.
-    fn blocks(&self, count: usize, radius: impl Fn(&Query) -> f32) -> Vec<Vec<Query>> {
+    fn blocks(&self, count: usize, radius: impl Fn(&Receiver) -> f32) -> Vec<Block> {
         let all = self.blocks.len();
         let wanted = (count / (BLOCK * BLOCK) as usize).clamp(4, all);
         let chosen = (0..wanted).map(|i| &self.blocks[i * all / wanted]);
         chosen
             .map(|block| {
-                let reaching = |query: &Query| Query { radius: radius(query), ..*query };
+                let reaching = |one: &Receiver| Receiver { radius: radius(one), ..*one };
                 block.iter().map(reaching).collect()
             })
             .collect()
@@ -138,67 +159,76 @@ struct Searched<'a> {
 }
 
 impl Searched<'_> {
-    fn naive(&self, blocks: &[Vec<Query>], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.extend(blocks.iter().flatten().map(|query| naive::nearest(self.map, query)));
+    /// Each way hands the hits of one block after the other to `take`, so that queries and hits
+    /// stay in the cache, as they do where receivers are made just before.
+    fn naive(&self, blocks: &[Block], take: impl FnMut(&[Option<Hit>])) {
+        self.each(blocks, take, |query| naive::nearest(self.map, query));
     }
 
-    fn in_box(&self, level: Level, blocks: &[Vec<Query>], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.extend(blocks.iter().flatten().map(|query| nearest(level, self.map, query)));
+    fn in_box(&self, level: Level, blocks: &[Block], take: impl FnMut(&[Option<Hit>])) {
+        self.each(blocks, take, |query| nearest(level, self.map, query));
     }
 
-    fn in_pyramid(&self, level: Level, blocks: &[Vec<Query>], hits: &mut Vec<Option<Hit>>) {
-        hits.resize(blocks.iter().map(Vec::len).sum(), None);
-        let mut rest = &mut hits[..];
+    fn each(
+        &self,
+        blocks: &[Block],
+        mut take: impl FnMut(&[Option<Hit>]),
+        search: impl Fn(&Query) -> Option<Hit>,
+    ) {
+        let mut hits = [None; (BLOCK * BLOCK) as usize];
         for block in blocks {
-            let (these, others) = rest.split_at_mut(block.len());
-            self.pyramid.nearest_each(level, self.map, block, these);
-            rest = others;
+            for (receiver, hit) in block.iter().zip(&mut hits) {
+                *hit = search(&receiver.query());
+            }
+            take(&hits[..block.len()]);
+        }
+    }
+
+    fn in_pyramid(&self, level: Level, blocks: &[Block], mut take: impl FnMut(&[Option<Hit>])) {
+        let mut queries = Vec::new();
+        let mut hits = [None; (BLOCK * BLOCK) as usize];
+        for block in blocks {
+            queries.clear();
+            queries.extend(block.iter().map(Receiver::query));
+            let hits = &mut hits[..block.len()];
+            self.pyramid.nearest_each(level, self.map, &queries, hits);
+            take(hits);
         }
     }
 
     /// The naive search, and every level's with and without the pyramid.
-    fn every_way(&self, bench: &mut Bench, name: String, radius: u32, blocks: &[Vec<Query>]) {
-        let mut expected = Vec::new();
-        self.naive(blocks, &mut expected);
-        let mut variants = vec![Variant::new("naive", {
-            let mut hits = Vec::new();
-            move || self.naive(blocks, &mut hits)
-        })];
+    fn every_way(&self, bench: &mut Bench, name: String, radius: u32, blocks: &[Block]) {
+        let expected = all_of(|take| self.naive(blocks, take));
+        let mut variants = vec![Variant::new("naive", || self.naive(blocks, ignore))];
         for level in Level::available() {
             let kind = level.kind().name();
-            let mut hits = Vec::new();
-            self.in_box(level, blocks, &mut hits);
-            assert!(hits == expected, "{name}: {kind}, box differs from the naive search");
+            let found = all_of(|take| self.in_box(level, blocks, take));
+            assert!(found == expected, "{name}: {kind}, box differs from the naive search");
             variants.push(Variant::new(format!("{kind}, box"), move || {
-                self.in_box(level, blocks, &mut hits);
+                self.in_box(level, blocks, ignore);
             }));
-            let mut hits = Vec::new();
-            self.in_pyramid(level, blocks, &mut hits);
-            assert!(hits == expected, "{name}: {kind}, pyramid differs from the naive search");
+            let found = all_of(|take| self.in_pyramid(level, blocks, take));
+            assert!(found == expected, "{name}: {kind}, pyramid differs from the naive search");
             variants.push(Variant::new(format!("{kind}, pyramid"), move || {
-                self.in_pyramid(level, blocks, &mut hits);
+                self.in_pyramid(level, blocks, ignore);
             }));
         }
-        let (x, work) = (Some(f64::from(radius)), Some((expected.len() as f64, "queries")));
-        bench.compare(Group { name, x, work, bytes: None, variants });
+        let work = Some((expected.len() as f64, "queries"));
+        bench.compare(Group { name, x: Some(radius_of(radius)), work, bytes: None, variants });
     }
 
     /// The default path alone, from all receivers.
-    fn growth(&self, bench: &mut Bench, scene: &str, radius: u32, blocks: &[Vec<Query>]) {
-        let (mut expected, mut hits) = (Vec::new(), Vec::new());
-        self.in_box(Level::detect(), blocks, &mut expected);
-        self.in_pyramid(Level::detect(), blocks, &mut hits);
-        assert!(hits == expected, "{scene}, radius {radius}: the pyramid differs from the box");
+    fn growth(&self, bench: &mut Bench, scene: &str, radius: u32, blocks: &[Block]) {
+        let level = Level::detect();
+        let expected = all_of(|take| self.in_box(level, blocks, take));
+        let found = all_of(|take| self.in_pyramid(level, blocks, take));
+        assert!(found == expected, "{scene}, radius {radius}: the pyramid differs from the box");
         bench.compare(Group {
-            name: format!("growth with radius: {scene} 1024, {radius}"),
-            x: Some(f64::from(radius)),
+            name: format!("growth with radius, {scene} 1024: {radius}"),
+            x: Some(radius_of(radius)),
             work: Some((expected.len() as f64, "queries")),
             bytes: None,
-            variants: vec![Variant::new("pyramid", || {
-                self.in_pyramid(Level::detect(), blocks, &mut hits);
-            })],
+            variants: vec![Variant::new("pyramid", || self.in_pyramid(level, blocks, ignore))],
         });
     }
 
@@ -207,43 +237,60 @@ impl Searched<'_> {
     fn window_of_the_light(&self, bench: &mut Bench, scene: &str, lit: &Lit, receivers: usize) {
         let nearest_depth = self.map.nearness().iter().copied().fold(0.0, f32::max);
         let per_nearness = lit.view.focal().x * LIGHT_RADIUS;
-        let blocks = lit.blocks(receivers, |query| {
-            per_nearness * (nearest_depth - query.point.nearness).max(0.0)
+        let blocks = lit.blocks(receivers, |receiver| {
+            per_nearness * (nearest_depth - receiver.point.nearness).max(0.0)
         });
-        let (mut expected, mut hits) = (Vec::new(), Vec::new());
-        self.naive(&blocks, &mut expected);
-        self.in_pyramid(Level::detect(), &blocks, &mut hits);
-        assert!(hits == expected, "{scene}: the pyramid differs from the naive search");
+        let level = Level::detect();
+        let expected = all_of(|take| self.naive(&blocks, take));
+        let found = all_of(|take| self.in_pyramid(level, &blocks, take));
+        assert!(found == expected, "{scene}: the pyramid differs from the naive search");
         bench.compare(Group {
             name: format!("{scene} 1024, window of a light of radius {LIGHT_RADIUS}"),
             x: None,
             work: Some((expected.len() as f64, "queries")),
             bytes: None,
             variants: vec![
-                Variant::new("naive", || self.naive(&blocks, &mut expected)),
-                Variant::new("pyramid", || {
-                    self.in_pyramid(Level::detect(), &blocks, &mut hits);
-                }),
+                Variant::new("naive", || self.naive(&blocks, ignore)),
+                Variant::new("pyramid", || self.in_pyramid(level, &blocks, ignore)),
             ],
         });
     }
 
     /// What is looked at per query.
-    fn visits(&self, radius: u32, blocks: &[Vec<Query>]) -> String {
+    fn visits(&self, radius: u32, blocks: &[Block]) -> String {
         let count = blocks.iter().map(Vec::len).sum::<usize>() as f64;
-        let texels = blocks.iter().flatten().map(|query| Visits::of_box(self.map, query).texels);
-        let in_box = texels.sum::<u64>() as f64 / count;
+        let queries = blocks.iter().flatten().map(Receiver::query);
+        let in_box: u64 = queries.map(|query| Visits::of_box(self.map, &query).texels).sum();
+        let in_box = in_box as f64 / count;
         let mut hits = vec![None; (BLOCK * BLOCK) as usize];
         let (mut texels, mut nodes) = (0, 0);
         for block in blocks {
             let hits = &mut hits[..block.len()];
-            let visits = Visits::of_pyramid(self.map, self.pyramid, block, hits);
+            let block: Vec<Query> = block.iter().map(Receiver::query).collect();
+            let visits = Visits::of_pyramid(self.map, self.pyramid, &block, hits);
             (texels, nodes) = (texels + visits.texels, nodes + visits.nodes);
         }
         let (texels, nodes) = (texels as f64 / count, nodes as f64 / count);
         let window = (2 * radius + 1) * (2 * radius + 1);
         format!("r {radius}: {window}, {in_box:.0}, {texels:.1} + {nodes:.1}")
     }
+}
+
+/// The hits that a way of searching hands out.
+fn all_of(search: impl FnOnce(&mut dyn FnMut(&[Option<Hit>]))) -> Vec<Option<Hit>> {
+    let mut all = Vec::new();
+    search(&mut |hits| all.extend_from_slice(hits));
+    all
+}
+
+/// Takes hits that are only searched for to be timed.
+fn ignore(hits: &[Option<Hit>]) {
+    black_box(hits);
+}
+
+/// The abscissa of plots.
+fn radius_of(radius: u32) -> (&'static str, f64) {
+    ("radius, texels", f64::from(radius))
 }
 
 /// Making the pyramid, and bringing a part of it up to date, against drawing the map.
@@ -258,8 +305,8 @@ fn build(bench: &mut Bench, name: &str, scene: &Scene, view: &View, map: DepthMa
     let level = Level::detect();
     Pyramid::build(level, map, part, &mut []).expect("the storage is as long as asked");
     bench.compare(Group {
-        name: format!("{name}, making the pyramid"),
-        x: Some(f64::from(width)),
+        name: format!("making the pyramid, {name}"),
+        x: Some(("map side, texels", f64::from(width))),
         work: Some((f64::from(width) * f64::from(height), "texels")),
         bytes: None,
         variants: vec![
