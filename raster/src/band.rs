@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::AlphaMask;
-use crate::bins::{Chunk, Fragments, Grid, Large, MAX_ROWS, Masked};
+use crate::bins::{Bins, Fragments, Grid, Large, MAX_ROWS, Masked};
 use crate::line::{Line, clear};
 use crate::plain::is_nearer;
 use crate::simd::{Simd, kernel};
@@ -22,11 +22,10 @@ pub(crate) struct Rows<'a> {
 }
 
 kernel! {
-    /// Draws one band from the bins that all chunks have for `view`.
+    /// Draws one band from the bins of all chunks.
     fn draw_band(
         rows: &mut Rows<'_>,
-        chunks: &[Chunk],
-        view: usize,
+        chunks: &[Bins],
         mask: Option<&AlphaMask<'_>>,
     ) = draw_band_body
 }
@@ -35,19 +34,17 @@ kernel! {
 fn draw_band_body<S: Simd>(
     s: S,
     rows: &mut Rows<'_>,
-    chunks: &[Chunk],
-    view: usize,
+    chunks: &[Bins],
     mask: Option<&AlphaMask<'_>>,
 ) {
-    let bins = || chunks.iter().map(|chunk| &chunk.views[view]);
     // Large triangles first: where they are the first to touch a texel, it need not be cleared.
-    for bins in bins() {
+    for bins in chunks {
         for &index in &bins.bands[rows.band].large {
             rows.large(s, &bins.large[index as usize]);
         }
     }
     rows.clear_rest(s);
-    for bins in bins() {
+    for bins in chunks {
         let band = &bins.bands[rows.band];
         rows.fragments(&band.fragments);
         for small in &band.small {

@@ -134,12 +134,6 @@ pub(crate) struct Band {
     pub(crate) masked: Vec<u32>,
 }
 
-/// One chunk of a mesh, in each view.
-#[derive(Debug, Default)]
-pub(crate) struct Chunk {
-    pub(crate) views: Vec<Bins>,
-}
-
 /// The triangles of one chunk of a mesh in one view. Reused between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Bins {
@@ -150,9 +144,10 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    /// Empties all bins, keeping their memory.
+    /// Empties all bins, of which there are at least `bands` then. They keep their memory, also
+    /// those that a smaller map has no use for.
     pub(crate) fn clear(&mut self, bands: usize) {
-        self.bands.resize_with(bands, Band::default);
+        self.bands.resize_with(bands.max(self.bands.len()), Band::default);
         for band in &mut self.bands {
             band.fragments.count = 0;
             band.small.clear();

@@ -7,7 +7,7 @@ use shadowmap_core::{BandSlice, Level, Mesh, Threads, View, for_each_band};
 
 use crate::band::{Rows, draw_band};
 use crate::binning::{Source, bin};
-use crate::bins::{Chunk, Grid, MAX_ROWS};
+use crate::bins::{Bins, Grid, MAX_ROWS};
 use crate::project::Projection;
 use crate::vertices::Vertices;
 use crate::{AlphaMask, DrawStats, Payload, Target};
@@ -21,8 +21,8 @@ use crate::{AlphaMask, DrawStats, Payload, Target};
 pub struct Rasterizer {
     level: Level,
     threads: Threads,
-    vertices: Vec<Vertices>,
-    chunks: Vec<Chunk>,
+    vertices: Vertices,
+    chunks: Vec<Bins>,
 }
 
 /// Parts that a batch of triangles is binned in, to share among threads.
@@ -35,7 +35,7 @@ impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
     #[must_use]
     pub fn new(level: Level, threads: Threads) -> Rasterizer {
-        Rasterizer { level, threads, vertices: Vec::new(), chunks: Vec::new() }
+        Rasterizer { level, threads, vertices: Vertices::default(), chunks: Vec::new() }
     }
 
     /// Draws one map of a mesh. The target is cleared first: nearness 0 and payload 0 where there
@@ -55,8 +55,9 @@ impl Rasterizer {
         self.draw_views(views, mesh, None, payload, targets)
     }
 
-    /// Draws the same mesh from several views in one pass, such as the samples of a linear light
-    /// (Heidrich, Brabec and Seidel 2000, section 3). Returns the sum over all maps.
+    /// Draws the same mesh from several views, such as the samples of a linear light (Heidrich,
+    /// Brabec and Seidel 2000, section 3), one after the other in the same scratch memory. Returns
+    /// the sum over all maps.
     ///
     /// # Panics
     ///
@@ -99,51 +100,52 @@ impl Rasterizer {
         for (view, target) in views.iter().zip(targets.iter()) {
             target.check(view);
         }
+        let mut stats = DrawStats::default();
+        for (view, target) in views.iter().zip(targets) {
+            let drawn = self.draw_view(view, mesh, mask, payload, target);
+            stats.drawn += drawn.drawn;
+            stats.clipped += drawn.clipped;
+            stats.invalid += drawn.invalid;
+        }
+        stats
+    }
+
+    fn draw_view(
+        &mut self,
+        view: &View,
+        mesh: &Mesh<'_>,
+        mask: Option<&AlphaMask<'_>>,
+        payload: Payload,
+        target: &mut Target<'_>,
+    ) -> DrawStats {
         let (level, threads) = (self.level, self.threads);
-        self.vertices.resize_with(views.len(), Vertices::default);
-        for (vertices, view) in self.vertices.iter_mut().zip(views) {
-            vertices.transform(level, threads, &Projection::of(view), mesh.positions);
-        }
+        let projection = Projection::of(view);
+        self.vertices.transform(level, threads, &projection, mesh.positions);
         let chunks = if threads == Threads::One { 1 } else { CHUNKS };
-        self.chunks.resize_with(chunks, Chunk::default);
-        for chunk in &mut self.chunks {
-            chunk.views.resize_with(views.len(), Default::default);
-        }
+        self.chunks.resize_with(chunks, Bins::default);
         // What is binned at a time bounds the scratch memory.
-        let texels = targets.iter().map(|t| t.nearness.len()).max().unwrap_or(0);
-        let batch = (texels / 4).max(1 << 16);
+        let batch = (target.nearness.len() / 4).max(1 << 16);
+        let grid = Grid::new(view.width(), view.height());
         let mut stats = DrawStats::default();
         let mut first = 0;
         loop {
             let end = mesh.triangles.len().min(first + batch);
             let per_chunk = (end - first).div_ceil(chunks).next_multiple_of(64).max(LEAST_CHUNK);
             let vertices = &self.vertices;
+            let source = Source { mesh: *mesh, mask, payload, projection, vertices, grid };
             let chunks = BandSlice { data: &mut self.chunks, len: 1 };
-            for_each_band(threads, chunks, &|index, chunk| {
+            for_each_band(threads, chunks, &|index, bins| {
                 let start = end.min(first + index * per_chunk);
-                let chunk_end = end.min(start + per_chunk);
-                for (view, bins) in chunk.data[0].views.iter_mut().enumerate() {
-                    let grid = Grid::new(views[view].width(), views[view].height());
-                    bins.clear(grid.bands());
-                    let source = Source {
-                        mesh: *mesh,
-                        mask,
-                        payload,
-                        projection: Projection::of(&views[view]),
-                        vertices: &vertices[view],
-                        grid,
-                    };
-                    bin(level, &source, start, chunk_end, bins);
-                }
+                let [bins] = bins.data else { return };
+                bins.clear(grid.bands());
+                bin(level, &source, start, end.min(start + per_chunk), bins);
             });
-            for bins in self.chunks.iter().flat_map(|chunk| &chunk.views) {
+            for bins in &self.chunks {
                 stats.drawn += bins.stats.drawn;
                 stats.clipped += bins.stats.clipped;
                 stats.invalid += bins.stats.invalid;
             }
-            for (view, target) in targets.iter_mut().enumerate() {
-                self.draw_batch(view, target, mask, first == 0);
-            }
+            self.draw_batch(grid, target, mask, first == 0);
             first = end;
             if first == mesh.triangles.len() {
                 return stats;
@@ -151,10 +153,10 @@ impl Rasterizer {
         }
     }
 
-    /// Draws what is binned for one view.
+    /// Draws what is binned.
     fn draw_batch(
         &self,
-        view: usize,
+        grid: Grid,
         target: &mut Target<'_>,
         mask: Option<&AlphaMask<'_>>,
         clear: bool,
@@ -162,7 +164,6 @@ impl Rasterizer {
         if target.nearness.is_empty() {
             return;
         }
-        let grid = Grid::new(target.width, target.height);
         let len = grid.rows() * target.width as usize;
         let bands = (
             BandSlice { data: &mut *target.nearness, len },
@@ -172,7 +173,7 @@ impl Rasterizer {
             let (nearness, payload) = (nearness.data, payload.data);
             let kept = if clear { [0; 2] } else { [0, grid.width] };
             let mut rows = Rows { grid, band, kept: [kept; MAX_ROWS], nearness, payload };
-            draw_band(self.level, &mut rows, &self.chunks, view, mask);
+            draw_band(self.level, &mut rows, &self.chunks, mask);
         });
     }
 }

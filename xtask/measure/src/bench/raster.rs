@@ -4,9 +4,10 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::Vec3;
+use linear_light::SampleViews;
 use raster::{DepthBuffer, Payload, Rasterizer, draw_plain};
 use renderer::scene::TriangleMesh;
-use shadowmap_core::{Level, Threads, View};
+use shadowmap_core::{Level, Threads, View, Window};
 
 use super::{Bench, Group, Variant};
 
@@ -35,15 +36,15 @@ pub fn run(bench: &mut Bench) {
     growth(bench, &torus);
 }
 
-/// The light's view of a scene, as far to the side as a sample of a linear light stands.
-fn view(degrees: f32, size: u32, aside: f32) -> View {
-    let (eye, target) = (Vec3::new(1.5 + aside, 6.0, 1.5), Vec3::new(aside, 0.0, 0.0));
+/// The light's view of a scene.
+fn view(degrees: f32, size: u32) -> View {
+    let (eye, target) = (Vec3::new(1.5, 6.0, 1.5), Vec3::ZERO);
     View::perspective(eye, target, Vec3::NEG_Z, degrees.to_radians(), size, size, 0.1)
 }
 
 /// The plain version, every level on one thread, and the best level on two.
 fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size: u32) {
-    let view = view(degrees, size, 0.0);
+    let view = view(degrees, size);
     let mesh = mesh.as_mesh();
     let mut expected = DepthBuffer::new(size, size);
     draw_plain(&view, &mesh, None, Payload::ObjectId, expected.target());
@@ -85,11 +86,15 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
     });
 }
 
-/// One map against three, the samples of a linear light, drawn in one pass over the mesh.
+/// One map against three, the samples of a linear light of 2 metres.
 fn linear_light(bench: &mut Bench, mesh: &TriangleMesh) {
     let size = 1024;
     let mesh = mesh.as_mesh();
-    let views = [-0.5, 0.0, 0.5].map(|aside| view(60.0, size, aside));
+    let (from, to) = (Vec3::new(0.5, 6.0, 1.5), Vec3::new(2.5, 6.0, 1.5));
+    // As wide as the views from one place, around where all three see the sphere.
+    let window = Window { left: -0.82, right: 0.334, top: -0.577, bottom: 0.577 };
+    let light = SampleViews::new(from, to, 3, -from, window, [size; 2], 0.1);
+    let views = light.views();
     let mut one = DepthBuffer::new(size, size);
     let [mut a, mut b, mut c] = [(); 3].map(|()| DepthBuffer::new(size, size));
     let mut rasterizers = [(); 2].map(|()| Rasterizer::new(Level::detect(), Threads::One));
@@ -105,7 +110,7 @@ fn linear_light(bench: &mut Bench, mesh: &TriangleMesh) {
             }),
             Variant::new("3 maps", || {
                 let mut targets = [a.target(), b.target(), c.target()];
-                many.draw_many(&views, &mesh, Payload::ObjectId, &mut targets);
+                many.draw_many(views, &mesh, Payload::ObjectId, &mut targets);
             }),
         ],
     });
@@ -136,7 +141,7 @@ fn draw(
     degrees: f32,
     size: u32,
 ) {
-    let (view, mesh) = (view(degrees, size, 0.0), mesh.as_mesh());
+    let (view, mesh) = (view(degrees, size), mesh.as_mesh());
     let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
     let mut map = DepthBuffer::new(size, size);
     bench.compare(Group {
