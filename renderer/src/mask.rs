@@ -108,9 +108,7 @@ struct Seen {
 /// Reads a buffer, its top row first.
 fn read(path: &Path, channels: usize, origin: Origin, max_memory: u64) -> Result<Buffer, Error> {
     let mut buffer = Buffer::read(path, channels, max_memory)?;
-    if origin == Origin::BottomLeft {
-        buffer.flip();
-    }
+    buffer.bottom_up = origin == Origin::BottomLeft;
     Ok(buffer)
 }
 
@@ -128,12 +126,10 @@ impl Seen {
         let (width, height) = (buffer.width, buffer.height);
         let foreign = views.foreign_depth(name, foreign, [width, height])?;
         let mut map = DepthBuffer::new(width, height);
-        let depths = buffer.into_floats();
-        let rows = map.nearness.chunks_exact_mut(width as usize);
-        for (y, (row, depths)) in rows.zip(depths.chunks_exact(width as usize)).enumerate() {
-            for (x, (nearness, &depth)) in row.iter_mut().zip(depths).enumerate() {
-                *nearness = foreign.nearness(x as f32 + 0.5, y as f32 + 0.5, depth);
-            }
+        let mut depths = vec![0.0; width as usize];
+        for (y, row) in (0..height).zip(map.nearness.chunks_exact_mut(width as usize)) {
+            buffer.floats(y, &mut depths);
+            foreign.nearness_of_row(y, &depths, row);
         }
         if map.nearness.iter().all(|&nearness| nearness == 0.0) {
             return Err(Error::new(format_args!(
@@ -144,15 +140,23 @@ impl Seen {
         if let Some(path) = ids {
             let ids = read(path, 1, origin, max_memory)?;
             check_size(path, &ids, &map)?;
-            map.payload = ids.into_ids();
+            for (y, row) in (0..height).zip(map.payload.chunks_exact_mut(width as usize)) {
+                ids.ids(y, row);
+            }
         }
         Ok(Seen { view: *foreign.view(), origin, map })
     }
 
     fn normals(&self, path: &Path, max_memory: u64) -> Result<Vec<Vec3>, Error> {
-        let normals = read(path, 3, self.origin, max_memory)?;
-        check_size(path, &normals, &self.map)?;
-        Ok(normals.into_vectors())
+        let buffer = read(path, 3, self.origin, max_memory)?;
+        check_size(path, &buffer, &self.map)?;
+        let mut normals = Vec::with_capacity(self.map.nearness.len());
+        let mut row = vec![0.0; 3 * buffer.width as usize];
+        for y in 0..buffer.height {
+            buffer.floats(y, &mut row);
+            normals.extend(row.as_chunks::<3>().0.iter().copied().map(Vec3::from_array));
+        }
+        Ok(normals)
     }
 }
 
@@ -287,24 +291,20 @@ fn parameters(args: &MaskArgs, view: &View) -> Result<search::Parameters, Error>
 /// Checks that the light's map and the camera's show one scene.
 fn check_plausible(camera: &Seen, light: &Seen) -> Result<(), Error> {
     let width = camera.map.width() as usize;
-    let (mut seen, mut inside) = (0_u64, 0_u64);
-    for (index, &nearness) in camera.map.nearness.iter().enumerate() {
-        if nearness > 0.0 {
-            seen += 1;
-            let (x, y) = ((index % width) as f32 + 0.5, (index / width) as f32 + 0.5);
-            let point = light.view.texel_from_world(camera.view.world_from_texel(x, y, nearness));
-            inside += u64::from(point.is_some_and(|p| {
+    let is_inside = |(index, &nearness): (usize, &f32)| {
+        let (x, y) = ((index % width) as f32 + 0.5, (index / width) as f32 + 0.5);
+        let point = light.view.texel_from_world(camera.view.world_from_texel(x, y, nearness));
+        nearness > 0.0
+            && point.is_some_and(|p| {
                 (0.0..light.view.width() as f32).contains(&p.x)
                     && (0.0..light.view.height() as f32).contains(&p.y)
-            }));
-        }
+            })
+    };
+    if camera.map.nearness.iter().enumerate().any(is_inside) {
+        return Ok(());
     }
-    if inside == 0 {
-        return Err(Error::new(format_args!(
-            "none of the {seen} points that the camera sees lies in the light's map: check that \
-             both matrices start from the same world, that 16 numbers go column by column, and \
-             what \"depth\" means"
-        )));
-    }
-    Ok(())
+    Err(Error::new(
+        "none of the points that the camera sees lies in the light's map: check that both matrices \
+         start from the same world, that 16 numbers go column by column, and what \"depth\" means",
+    ))
 }

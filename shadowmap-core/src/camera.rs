@@ -107,28 +107,43 @@ impl Camera<'_> {
     }
 
     /// The plane through a pixel and its neighbours: nearness is affine in the image on every
-    /// plane, and of the two differences along each axis the smaller one stays on the surface.
+    /// plane.
     fn plane_from_depth(&self, x: u32, y: u32, nearness: f32) -> Plane {
-        let (width, height) = (self.map().width(), self.map().height());
-        let at = |x: u32, y: u32| self.map().nearness()[y as usize * width as usize + x as usize];
-        let smaller = |before: Option<f32>, after: Option<f32>| {
-            let before = before.map_or(f32::INFINITY, |n| nearness - n);
-            let after = after.map_or(f32::INFINITY, |n| n - nearness);
-            let slope = if after.abs() < before.abs() { after } else { before };
-            if slope.is_finite() { slope } else { 0.0 }
-        };
-        let dx = smaller(
-            (x > 0).then(|| at(x.wrapping_sub(1), y)),
-            (x + 1 < width).then(|| at((x + 1).min(width - 1), y)),
-        );
-        let dy = smaller(
-            (y > 0).then(|| at(x, y.wrapping_sub(1))),
-            (y + 1 < height).then(|| at(x, (y + 1).min(height - 1))),
-        );
+        let (width, height) = (self.map().width() as usize, self.map().height() as usize);
+        let (column, row) = (x as usize, y as usize);
+        let along_x = &self.map().nearness()[row * width..][..width];
+        let dx = slope(nearness, column, width, |x| along_x[x]);
+        let along_y = &self.map().nearness()[column..];
+        let dy = slope(nearness, row, height, |y| along_y[y * width]);
         // dx u + dy v - n + e = 0 in the camera's texel space, pulled back to the world.
         let e = nearness - (dx * (x as f32 + 0.5) + dy * (y as f32 + 0.5));
         let [u, v, n, q] = self.view().rows();
         Plane(core::array::from_fn(|i| ((dx * u[i] + dy * v[i]) - n[i]) + e * q[i]))
+    }
+}
+
+/// How much less a large step counts against a neighbour than one that its own neighbour does not
+/// continue.
+const STEEP: f32 = 1.0 / 16.0;
+
+/// The slope of nearness at place `i` of a row or column of `len` values. Of the differences to
+/// either side the one that the next value goes on with lies on the pixel's own surface, if that is
+/// three pixels wide there; on a narrower one the smaller difference is likelier to.
+#[inline(always)]
+fn slope(nearness: f32, i: usize, len: usize, at: impl Fn(usize) -> f32) -> f32 {
+    let side = |next: Option<usize>, after: Option<usize>| {
+        let next = next.filter(|&i| i < len).map_or(f32::NAN, &at);
+        let after = after.filter(|&i| i < len).map_or(next, &at);
+        let (step, bend) = (next - nearness, (nearness - next) - (next - after));
+        (step, bend.abs() + step.abs() * STEEP)
+    };
+    let (before, doubt_before) = side(i.checked_sub(1), i.checked_sub(2));
+    let (after, doubt_after) = side(Some(i + 1), Some(i + 2));
+    // Written so that a side that is not there, NaN, is not taken.
+    if doubt_before < doubt_after || doubt_after.is_nan() {
+        if before.is_finite() { -before } else { 0.0 }
+    } else {
+        after
     }
 }
 

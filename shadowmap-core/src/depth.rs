@@ -104,34 +104,63 @@ impl ForeignDepth {
     /// Nearness of the depth value at texel coordinates (u, v); 0 where it means "nothing".
     #[must_use]
     pub fn nearness(&self, u: f32, v: f32, value: f32) -> f32 {
-        let normalized = match self.convention {
+        self.convert(self.convention, u, v, value)
+    }
+
+    /// Writes the nearness of each value of row `y` of the buffer.
+    ///
+    /// # Panics
+    ///
+    /// If the two rows differ in length.
+    pub fn nearness_of_row(&self, y: u32, values: &[f32], out: &mut [f32]) {
+        assert_eq!(values.len(), out.len(), "one nearness per value");
+        use DepthConvention::{Distance, Linear, OpenGl, ReversedZ, ZeroToOne};
+        // One loop per convention, which the compiler makes vector code of.
+        match self.convention {
+            Linear => self.convert_row(Linear, y, values, out),
+            Distance => self.convert_row(Distance, y, values, out),
+            OpenGl => self.convert_row(OpenGl, y, values, out),
+            ZeroToOne => self.convert_row(ZeroToOne, y, values, out),
+            ReversedZ => self.convert_row(ReversedZ, y, values, out),
+        }
+    }
+
+    #[inline(always)]
+    fn convert_row(&self, convention: DepthConvention, y: u32, values: &[f32], out: &mut [f32]) {
+        for (x, (out, &value)) in out.iter_mut().zip(values).enumerate() {
+            *out = self.convert(convention, x as f32 + 0.5, y as f32 + 0.5, value);
+        }
+    }
+
+    #[inline(always)]
+    fn convert(&self, convention: DepthConvention, u: f32, v: f32, value: f32) -> f32 {
+        let (normalized, is_there) = match convention {
             DepthConvention::Linear => return self.nearness_at(f64::from(value)),
             DepthConvention::Distance => {
                 return self.nearness_at(f64::from(value) * self.cosine(u, v));
             }
-            DepthConvention::OpenGl if value < 1.0 => f64::from(value) * 2.0 - 1.0,
-            DepthConvention::ZeroToOne if value < 1.0 => f64::from(value),
-            DepthConvention::ReversedZ if value > 0.0 => f64::from(value),
-            _ => return 0.0,
+            DepthConvention::OpenGl => (f64::from(value) * 2.0 - 1.0, value < 1.0),
+            DepthConvention::ZeroToOne => (f64::from(value), value < 1.0),
+            DepthConvention::ReversedZ => (f64::from(value), value > 0.0),
         };
         let nearness = (normalized * self.scale + self.offset) as f32;
-        if nearness > 0.0 && nearness.is_finite() { nearness } else { 0.0 }
+        if is_there & (nearness > 0.0) & (nearness < f32::INFINITY) { nearness } else { 0.0 }
     }
 
     /// Nearness at a depth along the view axis.
+    #[inline(always)]
     fn nearness_at(&self, depth: f64) -> f32 {
-        if !(depth > 0.0 && depth.is_finite()) {
-            return 0.0;
-        }
         let nearness = match self.view.projection() {
             Projection::Perspective => 1.0 / depth,
             Projection::Orthographic => (f64::from(self.view.max_nearness()) - depth).max(0.0),
         };
         // What is nearer than nearness can say is there all the same.
-        nearness.min(f64::from(f32::MAX)) as f32
+        let nearness = nearness.min(f64::from(f32::MAX)) as f32;
+        if (depth > 0.0) & (depth < f64::INFINITY) { nearness } else { 0.0 }
     }
 
     /// Cosine between the view axis and the ray through texel coordinates (u, v).
+    #[inline(always)]
     fn cosine(&self, u: f32, v: f32) -> f64 {
         match self.view.projection() {
             Projection::Orthographic => 1.0,

@@ -123,6 +123,9 @@ fn foreign_depth_becomes_nearness() {
             };
             let seen = foreign.view().texel_from_world(point).unwrap();
             let nearness = foreign.nearness(seen.x, seen.y, value);
+            let mut row = [0.0; 3];
+            foreign.nearness_of_row(7, &[value; 3], &mut row);
+            assert_eq!(row[2], foreign.nearness(2.5, 7.5, value), "{convention:?}");
             let error = (nearness - seen.z).abs() / seen.z;
             assert!(error < 1e-4, "{convention:?}: {nearness} for {}", seen.z);
         }

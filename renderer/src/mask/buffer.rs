@@ -1,8 +1,7 @@
 //! Depth and ID buffers from files.
 
+use std::ops::Range;
 use std::path::Path;
-
-use glam::Vec3;
 
 use crate::Error;
 use crate::picture::{self, Format};
@@ -20,18 +19,41 @@ pub struct Buffer {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
+    /// Whether the first row is the bottom one.
+    pub bottom_up: bool,
     /// Numbers per pixel.
     channels: usize,
     numbers: Numbers,
-    /// What stands for 1 in a picture of whole numbers.
-    full_scale: f32,
 }
 
 /// The numbers of a file, whole numbers kept whole: object IDs need all their bits.
 #[derive(Clone, Debug, PartialEq)]
 enum Numbers {
     Floats(Vec<f32>),
-    Whole(Vec<u32>),
+    /// A picture's, and what stands for 1.
+    Whole(Vec<u32>, f32),
+    /// As they stand at the end of an .npy file. They are decoded where they are needed, row by
+    /// row: large arrays are slow to make.
+    Npy {
+        file: Vec<u8>,
+        start: usize,
+        element: Element,
+    },
+}
+
+/// The number types of NumPy that are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Element {
+    F32,
+    F32BigEndian,
+    F64,
+    F64BigEndian,
+    U8,
+    U16,
+    U16BigEndian,
+    U32,
+    I32,
+    I64,
 }
 
 /// The kinds of files that hold a buffer.
@@ -74,7 +96,7 @@ impl Buffer {
             return Err(wrong("a buffer must end in .npy, .pfm, .exr or .png".into()));
         };
         let bytes = picture::read_bytes(path, max_memory)?;
-        Buffer::decode(kind, &bytes, channels, max_memory).map_err(wrong)
+        Buffer::decode(kind, bytes, channels, max_memory).map_err(wrong)
     }
 
     /// The buffer in the bytes of a file, as [`Buffer::read`].
@@ -85,18 +107,18 @@ impl Buffer {
     /// `max_memory` bytes.
     pub fn decode(
         kind: Kind,
-        bytes: &[u8],
+        bytes: Vec<u8>,
         channels: usize,
         max_memory: u64,
     ) -> Result<Buffer, String> {
         let buffer = match kind {
             Kind::Npy => decode_npy(bytes)?,
-            Kind::Png => decode_png(bytes, max_memory)?,
+            Kind::Png => decode_png(&bytes, max_memory)?,
             Kind::Picture(format) => {
-                let picture = picture::decode(format, bytes, max_memory)?;
+                let picture = picture::decode(format, &bytes, max_memory)?;
                 let (width, height) = sides(picture.width.into(), picture.height.into())?;
                 let numbers = Numbers::Floats(picture.to_floats());
-                Buffer { width, height, channels: picture.channels, numbers, full_scale: 1.0 }
+                Buffer { width, height, bottom_up: false, channels: picture.channels, numbers }
             }
         };
         if buffer.channels != channels {
@@ -106,49 +128,118 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// Turns the buffer upside down: files whose first row is the bottom one.
-    pub fn flip(&mut self) {
-        let row = self.width as usize * self.channels;
-        match &mut self.numbers {
-            Numbers::Floats(values) => flip_rows(values, row),
-            Numbers::Whole(values) => flip_rows(values, row),
-        }
-    }
-
-    /// The numbers as floats; those of a .png are divided by their greatest.
-    #[must_use]
-    pub fn into_floats(self) -> Vec<f32> {
-        match self.numbers {
-            Numbers::Floats(values) => values,
-            Numbers::Whole(values) => {
-                values.into_iter().map(|value| value as f32 / self.full_scale).collect()
+    /// Writes the numbers of a row, counted from the top; those of a .png are divided by their
+    /// greatest.
+    ///
+    /// # Panics
+    ///
+    /// If the buffer has no such row, or `out` is no row of it.
+    pub fn floats(&self, y: u32, out: &mut [f32]) {
+        let row = self.row(y);
+        assert_eq!(out.len(), row.len(), "a row of the buffer");
+        match &self.numbers {
+            Numbers::Floats(values) => out.copy_from_slice(&values[row]),
+            Numbers::Whole(values, one) => {
+                out.iter_mut().zip(&values[row]).for_each(|(out, &v)| *out = v as f32 / one);
             }
+            Numbers::Npy { file, start, element } => element.floats(&file[*start..], row, out),
         }
     }
 
-    /// The numbers as vectors, three each.
-    #[must_use]
-    pub fn into_vectors(self) -> Vec<Vec3> {
-        let values = self.into_floats();
-        values.as_chunks::<3>().0.iter().copied().map(Vec3::from_array).collect()
+    /// Writes the numbers of a row, counted from the top, as object IDs; what is negative or no
+    /// number is 0.
+    ///
+    /// # Panics
+    ///
+    /// If the buffer has no such row, or `out` is no row of it.
+    pub fn ids(&self, y: u32, out: &mut [u32]) {
+        let row = self.row(y);
+        assert_eq!(out.len(), row.len(), "a row of the buffer");
+        match &self.numbers {
+            Numbers::Floats(values) => {
+                out.iter_mut().zip(&values[row]).for_each(|(out, &value)| *out = value as u32);
+            }
+            Numbers::Whole(values, _) => out.copy_from_slice(&values[row]),
+            Numbers::Npy { file, start, element } => element.ids(&file[*start..], row, out),
+        }
     }
 
-    /// The numbers as object IDs; what is negative or no number is 0.
-    #[must_use]
-    pub fn into_ids(self) -> Vec<u32> {
-        match self.numbers {
-            Numbers::Floats(values) => values.into_iter().map(|value| value as u32).collect(),
-            Numbers::Whole(values) => values,
+    fn row(&self, y: u32) -> Range<usize> {
+        assert!(y < self.height, "row {y} of {}", self.height);
+        let y = if self.bottom_up { self.height - 1 - y } else { y } as usize;
+        let len = self.width as usize * self.channels;
+        y * len..(y + 1) * len
+    }
+}
+
+impl Element {
+    fn of(kind: &str) -> Option<Element> {
+        Some(match kind {
+            "<f4" => Element::F32,
+            ">f4" => Element::F32BigEndian,
+            "<f8" => Element::F64,
+            ">f8" => Element::F64BigEndian,
+            "|u1" | "|b1" => Element::U8,
+            "<u2" => Element::U16,
+            ">u2" => Element::U16BigEndian,
+            "<u4" => Element::U32,
+            "<i4" => Element::I32,
+            "<i8" => Element::I64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes of one number.
+    fn size(self) -> usize {
+        match self {
+            Element::U8 => 1,
+            Element::U16 | Element::U16BigEndian => 2,
+            Element::F32 | Element::F32BigEndian | Element::U32 | Element::I32 => 4,
+            Element::F64 | Element::F64BigEndian | Element::I64 => 8,
+        }
+    }
+
+    fn floats(self, bytes: &[u8], range: Range<usize>, out: &mut [f32]) {
+        match self {
+            Element::F32 => each(bytes, range, out, f32::from_le_bytes),
+            Element::F32BigEndian => each(bytes, range, out, f32::from_be_bytes),
+            Element::F64 => each(bytes, range, out, |b| f64::from_le_bytes(b) as f32),
+            Element::F64BigEndian => each(bytes, range, out, |b| f64::from_be_bytes(b) as f32),
+            Element::U8 => each(bytes, range, out, |[b]: [u8; 1]| f32::from(b)),
+            Element::U16 => each(bytes, range, out, |b| f32::from(u16::from_le_bytes(b))),
+            Element::U16BigEndian => each(bytes, range, out, |b| f32::from(u16::from_be_bytes(b))),
+            Element::U32 => each(bytes, range, out, |b| u32::from_le_bytes(b) as f32),
+            Element::I32 => each(bytes, range, out, |b| i32::from_le_bytes(b) as f32),
+            Element::I64 => each(bytes, range, out, |b| i64::from_le_bytes(b) as f32),
+        }
+    }
+
+    fn ids(self, bytes: &[u8], range: Range<usize>, out: &mut [u32]) {
+        let whole = |value: i64| u32::try_from(value).unwrap_or(0);
+        match self {
+            Element::F32 => each(bytes, range, out, |b| f32::from_le_bytes(b) as u32),
+            Element::F32BigEndian => each(bytes, range, out, |b| f32::from_be_bytes(b) as u32),
+            Element::F64 => each(bytes, range, out, |b| f64::from_le_bytes(b) as u32),
+            Element::F64BigEndian => each(bytes, range, out, |b| f64::from_be_bytes(b) as u32),
+            Element::U8 => each(bytes, range, out, |[b]: [u8; 1]| u32::from(b)),
+            Element::U16 => each(bytes, range, out, |b| u32::from(u16::from_le_bytes(b))),
+            Element::U16BigEndian => each(bytes, range, out, |b| u32::from(u16::from_be_bytes(b))),
+            Element::U32 => each(bytes, range, out, u32::from_le_bytes),
+            Element::I32 => each(bytes, range, out, |b| whole(i64::from(i32::from_le_bytes(b)))),
+            Element::I64 => each(bytes, range, out, |b| whole(i64::from_le_bytes(b))),
         }
     }
 }
 
-fn flip_rows<T>(values: &mut [T], row: usize) {
-    let rows = values.len() / row;
-    for y in 0..rows / 2 {
-        let (top, bottom) = values.split_at_mut((rows - 1 - y) * row);
-        top[y * row..][..row].swap_with_slice(&mut bottom[..row]);
-    }
+/// Decodes the numbers of a range, of N bytes each.
+fn each<const N: usize, T>(
+    bytes: &[u8],
+    range: Range<usize>,
+    out: &mut [T],
+    decode: impl Fn([u8; N]) -> T,
+) {
+    let numbers = &bytes.as_chunks::<N>().0[range];
+    out.iter_mut().zip(numbers).for_each(|(out, &number)| *out = decode(number));
 }
 
 fn sides(width: u64, height: u64) -> Result<(u32, u32), String> {
@@ -178,24 +269,25 @@ fn decode_png(bytes: &[u8], max_memory: u64) -> Result<Buffer, String> {
         }
         other => return Err(format!("it holds {:?}, not one grey channel", other.color())),
     };
-    Ok(Buffer { width, height, channels: 1, numbers: Numbers::Whole(values), full_scale })
+    let numbers = Numbers::Whole(values, full_scale);
+    Ok(Buffer { width, height, bottom_up: false, channels: 1, numbers })
 }
 
-fn decode_npy(bytes: &[u8]) -> Result<Buffer, String> {
+fn decode_npy(bytes: Vec<u8>) -> Result<Buffer, String> {
     // The length of the header stands in two bytes (version 1) or four.
-    let length = match bytes {
+    let length = match bytes[..] {
         [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => {
-            usize::from(u16::from_le_bytes([*a, *b]))
+            usize::from(u16::from_le_bytes([a, b]))
         }
         [0x93, b'N', b'U', b'M', b'P', b'Y', 2 | 3, _, a, b, c, d, ..] => {
-            u32::from_le_bytes([*a, *b, *c, *d]) as usize
+            u32::from_le_bytes([a, b, c, d]) as usize
         }
         _ => return Err("it is no .npy file".into()),
     };
     if length > MAX_NPY_HEADER {
         return Err(format!("its header has {length} bytes, more than {MAX_NPY_HEADER}"));
     }
-    let mut rest = bytes;
+    let mut rest = &bytes[..];
     let header = npyz::NpyHeader::from_reader(&mut rest).map_err(|error| error.to_string())?;
     let (width, height, channels) = match *header.shape() {
         [height, width] => (width, height, 1),
@@ -211,36 +303,13 @@ fn decode_npy(bytes: &[u8]) -> Result<Buffer, String> {
     };
     let kind = kind.to_string();
     let kind = kind.trim_matches('\'');
-    let numbers = decode(kind, rest).ok_or_else(|| format!("it holds numbers of type {kind}"))?;
-    let found = match &numbers {
-        Numbers::Floats(values) => values.len(),
-        Numbers::Whole(values) => values.len(),
-    };
+    let element = Element::of(kind).ok_or_else(|| format!("it holds numbers of type {kind}"))?;
     let needed = width as usize * height as usize * channels;
-    if found != needed {
+    if rest.len() != needed * element.size() {
+        let found = rest.len() / element.size();
         return Err(format!("{width} x {height} needs {needed} numbers, there are {found}"));
     }
-    Ok(Buffer { width, height, channels, numbers, full_scale: 1.0 })
-}
-
-/// Numbers of a NumPy type such as `<f4`, `None` for a type that is none of ours.
-fn decode(kind: &str, bytes: &[u8]) -> Option<Numbers> {
-    fn each<const N: usize, T>(bytes: &[u8], decode: impl Fn([u8; N]) -> T) -> Vec<T> {
-        bytes.as_chunks::<N>().0.iter().map(|&chunk| decode(chunk)).collect()
-    }
-    let whole = |value: i64| u32::try_from(value).unwrap_or(0);
-    Some(match kind {
-        "<f4" => Numbers::Floats(each(bytes, f32::from_le_bytes)),
-        ">f4" => Numbers::Floats(each(bytes, f32::from_be_bytes)),
-        "<f8" => Numbers::Floats(each(bytes, |b| f64::from_le_bytes(b) as f32)),
-        ">f8" => Numbers::Floats(each(bytes, |b| f64::from_be_bytes(b) as f32)),
-        "|u1" | "|b1" => Numbers::Whole(each(bytes, |[b]: [u8; 1]| u32::from(b))),
-        "<u2" => Numbers::Whole(each(bytes, |b| u32::from(u16::from_le_bytes(b)))),
-        ">u2" => Numbers::Whole(each(bytes, |b| u32::from(u16::from_be_bytes(b)))),
-        "<u4" => Numbers::Whole(each(bytes, u32::from_le_bytes)),
-        ">u4" => Numbers::Whole(each(bytes, u32::from_be_bytes)),
-        "<i4" => Numbers::Whole(each(bytes, |b| whole(i64::from(i32::from_le_bytes(b))))),
-        "<i8" => Numbers::Whole(each(bytes, |b| whole(i64::from_le_bytes(b)))),
-        _ => return None,
-    })
+    let start = bytes.len() - rest.len();
+    let numbers = Numbers::Npy { file: bytes, start, element };
+    Ok(Buffer { width, height, bottom_up: false, channels, numbers })
 }

@@ -35,7 +35,7 @@ pub fn read_bytes(path: &Path, max_memory: u64) -> Result<Vec<u8>, Error> {
         return Err(wrong(&"it is not a file"));
     }
     check_memory("the file", metadata.len(), max_memory).map_err(|why| wrong(&why))?;
-    let mut bytes = Vec::new();
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
     // A file that grows while it is read is cut at the size that was granted.
     file.take(metadata.len()).read_to_end(&mut bytes).map_err(|error| wrong(&error))?;
     Ok(bytes)

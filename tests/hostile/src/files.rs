@@ -88,13 +88,15 @@ pub fn buffers(bytes: &[u8]) {
     let [kind, channels, file @ ..] = bytes else { return };
     let path = Path::new(KINDS[usize::from(*kind) % KINDS.len()]);
     let channels = usize::from(*channels) % 5;
-    let buffer = Buffer::decode(Kind::of(path).expect("a kind"), file, channels, 1 << 20);
+    let buffer = Buffer::decode(Kind::of(path).expect("a kind"), file.to_vec(), channels, 1 << 20);
     match buffer {
         Ok(mut buffer) => {
-            let pixels = buffer.width as usize * buffer.height as usize;
-            buffer.flip();
-            assert_eq!(buffer.clone().into_ids().len(), pixels * channels);
-            assert_eq!(buffer.into_floats().len(), pixels * channels);
+            buffer.bottom_up = *kind > 127;
+            let width = buffer.width as usize * channels;
+            for y in 0..buffer.height {
+                buffer.ids(y, &mut vec![0; width]);
+                buffer.floats(y, &mut vec![0.0; width]);
+            }
         }
         Err(why) => check_line(&Error::new(why).to_string()),
     }
