@@ -33,15 +33,15 @@ impl SpanRow<'_> {
     pub fn draw(&self, level: Level, out: &mut [f32]) {
         assert!(out.len() == self.to.len() && out.len() == self.from.middle.len());
         match level.kind() {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(target_feature = "sse2")]
             // SAFETY: a `Level` of that kind is the proof that the machine has its instructions.
             #[allow(unsafe_code)]
             LevelKind::Avx512 => unsafe { self.draw_avx512(out) },
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(target_feature = "sse2")]
             // SAFETY: as above.
             #[allow(unsafe_code)]
             LevelKind::Avx2 => unsafe { self.draw_avx2(out) },
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(target_feature = "sse2")]
             // SAFETY: as above.
             #[allow(unsafe_code)]
             LevelKind::Sse41 => unsafe { self.draw_sse41(out) },
@@ -50,19 +50,19 @@ impl SpanRow<'_> {
         }
     }
 
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(target_feature = "sse2")]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
     fn draw_avx512(&self, out: &mut [f32]) {
         self.draw_kernel(out);
     }
 
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(target_feature = "sse2")]
     #[target_feature(enable = "avx2")]
     fn draw_avx2(&self, out: &mut [f32]) {
         self.draw_kernel(out);
     }
 
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(target_feature = "sse2")]
     #[target_feature(enable = "sse4.1")]
     fn draw_sse41(&self, out: &mut [f32]) {
         self.draw_kernel(out);

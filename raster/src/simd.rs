@@ -7,20 +7,20 @@
 //! Kernels use loops rather than closures: a closure is a function of its own, without the
 //! instructions, and need not be inlined.
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod avx2;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod avx512;
 mod portable;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod sse41;
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 pub(crate) use avx2::Avx2;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 pub(crate) use sse41::Sse41;
 
 /// The most lanes that any level has; arrays of lanes have this length.
@@ -230,7 +230,7 @@ pub(crate) fn set_bits(mut bits: u32) -> impl Iterator<Item = usize> {
 ///
 /// Each becomes an `#[inline(always)]` method: the intrinsics get inlined where the kernel is,
 /// inside a function with their instructions enabled.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 macro_rules! operations {
     ($self:ident;
         $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*
@@ -248,7 +248,7 @@ macro_rules! operations {
         )*
     };
 }
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 pub(crate) use operations;
 
 /// Defines `fn name(level, arguments)`: `body`, an `#[inline(always)]` function of a [`Simd`] and
@@ -259,7 +259,7 @@ macro_rules! kernel {
         $(#[$doc])*
         #[allow(unsafe_code)]
         pub(crate) fn $name(level: shadowmap_core::Level, $($argument: $type),*) {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(target_feature = "sse2")]
             {
                 use shadowmap_core::LevelKind;
 

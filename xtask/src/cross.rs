@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use crate::ci::NO_STD;
-use crate::run::{in_ci, step};
+use crate::features::NO_STD;
+use crate::run::Report;
 use crate::targets::{
     AARCH64, BARE_METAL, I686, THUMB, Target, Toolchain, WASMS, WINDOWS, host_cargo,
 };
@@ -11,9 +11,11 @@ use crate::targets::{
 const HELP: &str = "\
 cargo xtask cross [--full]
 
-Builds the algorithm crates for bare metal and runs a tiny render in an emulated microcontroller.
-With --full also: their tests on AArch64 (qemu) and 32-bit x86, and at each x86-64 level the compiler
-knows; builds for WebAssembly and Windows. Missing tools are installed where that is allowed.";
+Builds the algorithm crates and a consumer without a heap for a microcontroller, and runs a tiny render
+in its emulator. With --full also: the same builds for three other bare-metal targets; the crates' tests
+on AArch64 (qemu) and 32-bit x86, and at each x86-64 level that the compiler knows; builds for
+WebAssembly, without and with SIMD, and for Windows. Missing tools are installed where that is
+allowed.";
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
@@ -26,71 +28,50 @@ pub fn run(arguments: &[String]) -> ExitCode {
         }
     };
     let mut report = Report::default();
-    for target in &BARE_METAL {
-        let packages = NO_STD.map(|name| format!("-p {name}")).join(" ");
-        let features = "--no-default-features --features libm";
-        report.cargo(target, "build", &format!("build --release {packages} {features}"));
-        let consumer = "build --release --manifest-path tests/consumer/Cargo.toml";
-        report.cargo(target, "consumer without alloc", consumer);
-    }
+    check(full, &mut report);
+    report.finish("cross")
+}
+
+/// Does what the command says.
+pub fn check(full: bool, report: &mut Report) {
+    let packages = NO_STD.map(|name| format!("-p {name}")).join(" ");
+    bare(&THUMB, &packages, report);
     let tiny = "run --release --manifest-path tests/bare-metal/Cargo.toml";
-    report.cargo(&THUMB, "tiny render", tiny);
-    if full {
-        let packages = NO_STD.map(|name| format!("-p {name}")).join(" ");
-        for target in [&AARCH64, &I686] {
-            report.cargo(target, "tests", &format!("test --release {packages}"));
-        }
-        for target in WASMS.iter().chain([&WINDOWS]) {
-            report.cargo(target, "build", &format!("build --release {packages}"));
-        }
-        for level in ["v2", "v3", "v4"] {
-            let name = format!("x86-64-{level}");
-            let mut tests =
-                host_cargo(&name, &format!("-Ctarget-cpu={name}"), &format!("test {packages}"));
-            report.outcome(&name, step(&format!("{name}: tests"), &mut tests));
-        }
+    cargo(report, &THUMB, "tiny render", tiny);
+    if !full {
+        return;
     }
-    report.finish()
+    for target in &BARE_METAL {
+        bare(target, &packages, report);
+    }
+    for target in [&AARCH64, &I686] {
+        cargo(report, target, "tests", &format!("test --release {packages}"));
+    }
+    for target in WASMS.iter().chain([&WINDOWS]) {
+        cargo(report, target, "build", &format!("build --release {packages}"));
+    }
+    for level in ["v2", "v3", "v4"] {
+        let name = format!("x86-64-{level}");
+        let flags = format!("-Ctarget-cpu={name}");
+        let mut tests = host_cargo(&name, &flags, &format!("test --tests {packages}"));
+        report.step(&format!("{name}: tests"), &mut tests);
+    }
 }
 
-/// What went wrong so far.
-#[derive(Default)]
-struct Report {
-    failed: Vec<String>,
-    skipped: Vec<String>,
+/// Builds what runs without an operating system.
+fn bare(target: &Target, packages: &str, report: &mut Report) {
+    let features = "--no-default-features --features libm";
+    cargo(report, target, "build", &format!("build --release {packages} {features}"));
+    let consumer = "build --release --manifest-path tests/consumer/Cargo.toml";
+    cargo(report, target, "consumer without alloc", consumer);
 }
 
-impl Report {
-    fn cargo(&mut self, target: &Target, what: &str, arguments: &str) {
-        let name = format!("{}: {what}", target.name);
-        match Toolchain::with_tools(target) {
-            Ok(toolchain) => {
-                let passed = step(&name, &mut toolchain.cargo(target, arguments));
-                self.outcome(&name, passed);
-            }
-            Err(missing) => {
-                println!("==> {name}\n    SKIPPED: {missing}");
-                self.skipped.push(name);
-            }
+fn cargo(report: &mut Report, target: &Target, what: &str, arguments: &str) {
+    let name = format!("{}: {what}", target.name);
+    match Toolchain::with_tools(target) {
+        Ok(toolchain) => {
+            report.step(&name, &mut toolchain.cargo(target, arguments));
         }
-    }
-
-    fn outcome(&mut self, name: &str, passed: bool) {
-        if !passed {
-            self.failed.push(name.to_owned());
-        }
-    }
-
-    /// A skip is a failure on a hosted machine, where every tool can be had.
-    fn finish(self) -> ExitCode {
-        if !self.skipped.is_empty() {
-            println!("cross: SKIPPED: {}", self.skipped.join(", "));
-        }
-        if self.failed.is_empty() && (self.skipped.is_empty() || !in_ci()) {
-            println!("cross: all that ran passed");
-            return ExitCode::SUCCESS;
-        }
-        println!("cross: FAILED: {}", self.failed.join(", "));
-        ExitCode::FAILURE
+        Err(missing) => report.skipped(&name, &missing),
     }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-use crate::run::{root, step};
+use crate::run::{Report, root};
 
 const HELP: &str = "\
 cargo xtask fuzz [--seconds N] [TARGET...]
@@ -65,11 +65,11 @@ pub fn missing() -> Option<&'static str> {
 pub fn fuzz(seconds: u32, chosen: &[String]) -> bool {
     let folder = root().join("fuzz");
     let seed = ["run", "--quiet", "--release", "--bin", "seed"];
-    if !step("fuzz: corpora", Command::new("cargo").args(seed).args(in_folder(&folder))) {
-        return false;
-    }
+    let mut report = Report::default();
     let build = ["+nightly", "fuzz", "build", "--fuzz-dir"];
-    if !step("fuzz: build", Command::new("cargo").args(build).arg(&folder)) {
+    if !report.step("fuzz: corpora", Command::new("cargo").args(seed).args(in_folder(&folder)))
+        || !report.step("fuzz: build", Command::new("cargo").args(build).arg(&folder))
+    {
         return false;
     }
     let mut sound = true;

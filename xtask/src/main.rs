@@ -6,6 +6,7 @@ use std::process::{Command, ExitCode};
 
 mod ci;
 mod cross;
+mod features;
 mod fuzz;
 mod run;
 mod targets;
@@ -18,7 +19,8 @@ cargo xtask <command> [options]
   compare A B [options]      compare two pictures
   bench [options]            time every stage; table, JSON and HTML in target/bench
   figures [options]          redraw the papers' figures as one report in target/figures
-  ci                         everything that the hosted checks run
+  ci [--full]                everything that the hosted checks run
+  features                   each crate alone, with every set of features; minimum Rust version
   cross [--full]             build and test for other targets
   fuzz [--seconds N]         any input whatsoever, for N seconds per entry point
   verify [--here]            the same bits at every SIMD level, thread count and target
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
         "bench" | "figures" => package("measure", &command, &rest),
         "ci" => ci::run(&rest),
         "cross" => cross::run(&rest),
+        "features" => features::run(&rest),
         "fuzz" => fuzz::run(&rest),
         "verify" => verify::run(&rest),
         "" | "help" | "--help" | "-h" => {

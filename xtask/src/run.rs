@@ -1,7 +1,7 @@
-//! Running other programs.
+//! Running other programs, and telling what came of them.
 
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 /// The cargo that runs us.
@@ -15,22 +15,6 @@ pub fn root() -> PathBuf {
     manifest.parent().expect("xtask lies in the workspace").to_owned()
 }
 
-/// Runs one step in the workspace's root, says how it went and how long it took.
-pub fn step(name: &str, command: &mut Command) -> bool {
-    println!("==> {name}");
-    let start = Instant::now();
-    let passed = match command.current_dir(root()).status() {
-        Ok(status) => status.success(),
-        Err(error) => {
-            println!("    cannot run {:?}: {error}", command.get_program());
-            false
-        }
-    };
-    let seconds = start.elapsed().as_secs_f32();
-    println!("    {name}: {} ({seconds:.1} s)", if passed { "passed" } else { "FAILED" });
-    passed
-}
-
 /// A cargo command, split at spaces.
 pub fn cargo_command(arguments: &str) -> Command {
     let mut command = Command::new(cargo());
@@ -41,4 +25,76 @@ pub fn cargo_command(arguments: &str) -> Command {
 /// Whether a hosted check runs us: what is skipped elsewhere is an error there.
 pub fn in_ci() -> bool {
     std::env::var("CI").is_ok_and(|value| value == "true" || value == "1")
+}
+
+/// What came of the steps so far. No step stops the others, so that one run shows all.
+#[derive(Debug, Default)]
+pub struct Report {
+    passed: usize,
+    failed: Vec<String>,
+    skipped: Vec<String>,
+}
+
+impl Report {
+    /// Runs one step in the workspace's root, says how it went and how long it took.
+    pub fn step(&mut self, name: &str, command: &mut Command) -> bool {
+        println!("==> {name}");
+        let start = Instant::now();
+        let passed = match command.current_dir(root()).status() {
+            Ok(status) => status.success(),
+            Err(error) => {
+                println!("    cannot run {:?}: {error}", command.get_program());
+                false
+            }
+        };
+        let seconds = start.elapsed().as_secs_f32();
+        println!("    {name}: {} ({seconds:.1} s)", if passed { "passed" } else { "FAILED" });
+        self.outcome(name, passed);
+        passed
+    }
+
+    /// Notes how a step went that was run elsewhere.
+    pub fn outcome(&mut self, name: &str, passed: bool) {
+        if passed {
+            self.passed += 1;
+        } else {
+            self.failed.push(name.to_owned());
+        }
+    }
+
+    /// Notes what is wrong.
+    pub fn failed(&mut self, what: &str) {
+        println!("==> {what}: FAILED");
+        self.failed.push(what.to_owned());
+    }
+
+    /// Notes a step for which something is missing that can be had: on a hosted machine, where
+    /// every tool can be, that is a failure.
+    pub fn skipped(&mut self, name: &str, missing: &str) {
+        println!("==> {name}\n    SKIPPED: {missing}");
+        if in_ci() {
+            self.failed.push(format!("{name} (skipped)"));
+        } else {
+            self.skipped.push(name.to_owned());
+        }
+    }
+
+    /// Notes a step that cannot run here, and what stands in for it.
+    pub fn not_run(&mut self, name: &str, why: &str) {
+        println!("==> {name}\n    SKIPPED: {why}");
+        self.skipped.push(name.to_owned());
+    }
+
+    /// The last words of a command.
+    pub fn finish(self, command: &str) -> ExitCode {
+        if !self.skipped.is_empty() {
+            println!("{command}: SKIPPED: {}", self.skipped.join(", "));
+        }
+        if self.failed.is_empty() {
+            println!("{command}: all {} steps that ran passed", self.passed);
+            return ExitCode::SUCCESS;
+        }
+        println!("{command}: FAILED: {}", self.failed.join(", "));
+        ExitCode::FAILURE
+    }
 }

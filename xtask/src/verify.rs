@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::process::{Command, ExitCode};
+use std::time::Instant;
 
-use crate::run::{cargo_command, in_ci, root};
+use crate::run::{Report, cargo_command, in_ci, root};
 use crate::targets::{AARCH64, I686, THUMB, Target, Toolchain, WASMS};
 
 const HELP: &str = "\
@@ -36,50 +37,82 @@ pub fn run(arguments: &[String]) -> ExitCode {
             }
         }
     }
-    let mut columns = Vec::new();
-    let mut skipped = Vec::new();
-    let native = output(cargo_command("run --quiet --release -p verify"));
-    match native {
-        Ok(text) => columns.extend(columns_of("", &text)),
-        Err(error) => {
-            println!("verify: {error}");
-            return ExitCode::FAILURE;
+    match verify(here, bless) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            println!("verify: FAILED: {why}");
+            ExitCode::FAILURE
         }
     }
-    if !here {
-        for (name, table) in [
-            ("aarch64", program(&AARCH64)),
-            ("i686", program(&I686)),
-            ("wasm32", module(&WASMS[0])),
-            ("wasm32", module(&WASMS[1])),
-            ("thumbv7em", microcontroller()),
-        ] {
-            match table {
+}
+
+/// All targets, as a step.
+pub fn check(report: &mut Report) {
+    let start = Instant::now();
+    let result = verify(false, false);
+    if let Err(why) = &result {
+        println!("    {why}");
+    }
+    println!("    verify took {:.1} s", start.elapsed().as_secs_f32());
+    report.outcome("verify", result.is_ok());
+}
+
+fn verify(here: bool, bless: bool) -> Result<(), String> {
+    println!("==> verify");
+    let native = output(cargo_command("run --quiet --release -p verify"))?;
+    let mut columns = columns_of("", &native);
+    let mut skipped = Vec::new();
+    let mut broken = Vec::new();
+    for (name, target, table) in [
+        ("aarch64", &AARCH64, program as Table),
+        ("i686", &I686, program),
+        ("wasm32", &WASMS[0], module),
+        ("wasm32", &WASMS[1], module),
+        ("thumbv7em", &THUMB, microcontroller),
+    ] {
+        if here {
+            break;
+        }
+        println!("==> {}", target.name);
+        let start = Instant::now();
+        match Toolchain::with_tools(target) {
+            Err(missing) => {
+                println!("    SKIPPED: {missing}");
+                skipped.push(target.name);
+            }
+            Ok(toolchain) => match table(&toolchain, target) {
                 Ok(text) => columns.extend(columns_of(name, &text)),
                 Err(why) => {
-                    println!("{name}: SKIPPED: {why}");
-                    skipped.push(name);
+                    println!("    FAILED: {why}");
+                    broken.push(target.name);
                 }
-            }
+            },
         }
+        println!("    {:.1} s", start.elapsed().as_secs_f32());
     }
     let differences = print(&columns);
     if bless {
         let lines = columns[0].1.iter().map(|(item, hash)| format!("{item}\t{hash}\n"));
         let path = root().join("tests/verify/golden.tsv");
-        if let Err(error) = fs::write(&path, lines.collect::<String>()) {
-            println!("{}: {error}", path.display());
-            return ExitCode::FAILURE;
-        }
+        let written = fs::write(&path, lines.collect::<String>());
+        written.map_err(|error| format!("{}: {error}", path.display()))?;
     }
-    if differences == 0 && (skipped.is_empty() || !in_ci()) {
-        println!("verify: every cell is equal");
-        ExitCode::SUCCESS
-    } else {
-        println!("verify: FAILED: {differences} cells differ, skipped: {}", skipped.join(", "));
-        ExitCode::FAILURE
+    if !skipped.is_empty() {
+        println!("verify: SKIPPED: {}", skipped.join(", "));
     }
+    if differences == 0 && broken.is_empty() && (skipped.is_empty() || !in_ci()) {
+        println!("verify: every cell of {} columns is equal", columns.len());
+        return Ok(());
+    }
+    Err(format!(
+        "{differences} cells differ, not to be run: {}, skipped: {}",
+        broken.join(", "),
+        skipped.join(", ")
+    ))
 }
+
+/// How the table of a target is made.
+type Table = fn(&Toolchain, &Target) -> Result<String, String>;
 
 fn output(mut command: Command) -> Result<String, String> {
     let output = command.current_dir(root()).output().map_err(|error| error.to_string())?;
@@ -101,16 +134,12 @@ fn what_failed(text: &str) -> String {
 }
 
 /// The table of a target that runs programs.
-fn program(target: &Target) -> Result<String, String> {
-    println!("==> {}", target.name);
-    let toolchain = Toolchain::with_tools(target)?;
+fn program(toolchain: &Toolchain, target: &Target) -> Result<String, String> {
     output(toolchain.cargo(target, "run --quiet --release -p verify"))
 }
 
 /// The table of a WebAssembly module.
-fn module(target: &Target) -> Result<String, String> {
-    println!("==> {}", target.name);
-    let toolchain = Toolchain::with_tools(target)?;
+fn module(toolchain: &Toolchain, target: &Target) -> Result<String, String> {
     output(toolchain.cargo(target, "build --quiet --release -p verify --lib"))?;
     let folder = toolchain.target_folder(target).join(target.triple).join("release");
     let mut node = Command::new("node");
@@ -119,24 +148,12 @@ fn module(target: &Target) -> Result<String, String> {
 }
 
 /// The one hash of the microcontroller, and what it took.
-fn microcontroller() -> Result<String, String> {
-    println!("==> {}", THUMB.name);
-    let toolchain = Toolchain::with_tools(&THUMB)?;
+fn microcontroller(toolchain: &Toolchain, target: &Target) -> Result<String, String> {
     let manifest = "--manifest-path tests/bare-metal/Cargo.toml";
-    let text = output(toolchain.cargo(&THUMB, &format!("run --quiet --release {manifest}")))?;
+    let text = output(toolchain.cargo(target, &format!("run --quiet --release {manifest}")))?;
     let hash = text.lines().find_map(|line| line.strip_prefix("mask ")).ok_or("no hash")?;
     for line in text.lines().filter(|line| !line.starts_with("mask ")) {
         println!("    {line}");
-    }
-    let program = toolchain.target_folder(&THUMB).join(THUMB.triple).join("release/bare-metal");
-    if let Ok(sizes) = output({
-        let mut size = Command::new("llvm-size-22");
-        size.arg(program);
-        size
-    }) && let Some(line) = sizes.lines().nth(1)
-    {
-        let [text, data, bss] = [0, 1, 2].map(|i| line.split_whitespace().nth(i).unwrap_or("?"));
-        println!("    flash: {text} + {data} bytes, static RAM: {data} + {bss} bytes");
     }
     Ok(format!("scalar 1\ttiny mask\t{}\n", hash.trim()))
 }

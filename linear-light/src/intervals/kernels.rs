@@ -62,13 +62,13 @@ where
 pub(super) fn run(level: Level, job: Job<'_>) {
     match level.kind() {
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        #[cfg(target_feature = "sse2")]
         LevelKind::Sse41 => unsafe { x86::sse41(job) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        #[cfg(target_feature = "sse2")]
         LevelKind::Avx2 => unsafe { x86::avx2(job) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        #[cfg(target_feature = "sse2")]
         LevelKind::Avx512 => unsafe { x86::avx512(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_arch = "aarch64")]
@@ -98,7 +98,7 @@ fn plain(job: Job<'_>) {
     job.run(Closures { greater, select });
 }
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod x86 {
     #[cfg(target_arch = "x86")]
     use core::arch::x86::*;

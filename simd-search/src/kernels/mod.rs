@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use shadowmap_core::{Level, LevelKind};
+use shadowmap_core::Level;
 
 use crate::batch::each_in_pyramid;
 use crate::build::{Ranges, build};
@@ -13,19 +13,24 @@ use crate::reach::{Boxes, GroupTest, Reach, Verdicts};
 use crate::search::{Search, TileTest};
 use crate::{Hit, IdTest, Map, Query};
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod avx2;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod avx512;
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 mod neon;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod sse41;
 
 /// The number of each lane.
+#[cfg(any(
+    target_feature = "sse2",
+    all(target_arch = "aarch64", target_endian = "little"),
+    all(target_arch = "wasm32", target_feature = "simd128"),
+))]
 const LANE: [f32; LANES] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 /// What the algorithms, written once, ask of an instruction set.
@@ -136,19 +141,19 @@ impl Job<'_> {
 pub(crate) fn run(level: Level, job: Job<'_>) {
     match level.kind() {
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        LevelKind::Sse41 => unsafe { sse41::run(job) },
+        #[cfg(target_feature = "sse2")]
+        shadowmap_core::LevelKind::Sse41 => unsafe { sse41::run(job) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        LevelKind::Avx2 => unsafe { avx2::run(job) },
+        #[cfg(target_feature = "sse2")]
+        shadowmap_core::LevelKind::Avx2 => unsafe { avx2::run(job) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        LevelKind::Avx512 => unsafe { avx512::run(job) },
+        #[cfg(target_feature = "sse2")]
+        shadowmap_core::LevelKind::Avx512 => unsafe { avx512::run(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
-        LevelKind::Neon => unsafe { neon::run(job) },
+        shadowmap_core::LevelKind::Neon => unsafe { neon::run(job) },
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        LevelKind::Simd128 => simd128::run(job),
+        shadowmap_core::LevelKind::Simd128 => simd128::run(job),
         _ => scalar::run(job),
     }
 }

@@ -3,15 +3,15 @@
 //! Everything else is plain Rust over arrays, which the compiler turns into the instructions of
 //! the function it is inlined into. None of it depends on the width: the bits are the same.
 
-use shadowmap_core::{Level, LevelKind};
+use shadowmap_core::Level;
 
 use super::field::{BLOCK_ROWS, Block, Test};
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod avx2;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod avx512;
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cfg(target_feature = "sse2")]
 mod sse41;
 
 /// A bit per texel of a block, row by row: texel i of a row is bit i.
@@ -45,14 +45,14 @@ pub(crate) trait Work {
 pub(crate) fn run(level: Level, work: impl Work) {
     match level.kind() {
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        LevelKind::Sse41 => unsafe { sse41::run(work) },
+        #[cfg(target_feature = "sse2")]
+        shadowmap_core::LevelKind::Sse41 => unsafe { sse41::run(work) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        LevelKind::Avx2 => unsafe { avx2::run(work) },
+        #[cfg(target_feature = "sse2")]
+        shadowmap_core::LevelKind::Avx2 => unsafe { avx2::run(work) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        LevelKind::Avx512 => unsafe { avx512::run(work) },
+        #[cfg(target_feature = "sse2")]
+        shadowmap_core::LevelKind::Avx512 => unsafe { avx512::run(work) },
         _ => work.run(&plain),
     }
 }
