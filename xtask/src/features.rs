@@ -97,14 +97,12 @@ fn dependencies_newer_than(minimum: &str) -> Result<Vec<String>, String> {
     }
     let text = String::from_utf8_lossy(&output.stdout);
     let mut newer = Vec::new();
-    // One package after another; their own fields come before the next one's name.
-    let mut name = "";
-    for field in text.split("{\"name\":\"").skip(1) {
-        name = field.split('"').next().unwrap_or(name);
-        let version =
-            field.split("\"rust_version\":\"").nth(1).and_then(|rest| rest.split('"').next());
-        if version.is_some_and(|version| number(version) > number(minimum)) {
-            newer.push(format!("{name} ({})", version.unwrap_or_default()));
+    // One package after another, each with its ID first.
+    for package in text.split("\"id\":\"").skip(1) {
+        let quoted = |text: &str| text.split('"').next().unwrap_or_default().to_owned();
+        let version = package.split("\"rust_version\":\"").nth(1).map(quoted);
+        if let Some(version) = version.filter(|version| number(version) > number(minimum)) {
+            newer.push(format!("{} ({version})", quoted(package)));
         }
     }
     newer.sort();
