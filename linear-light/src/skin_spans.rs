@@ -6,7 +6,7 @@
 //! skins over one texel the one with the greater e is nearer, so drawing the edges of a row in
 //! order leaves the nearest on top, and no depth buffer of skins is needed.
 
-use shadowmap_core::{Level, LevelKind};
+use shadowmap_core::Level;
 
 use crate::discontinuity::{BLOCK, Discontinuity, Rows, Side, mark};
 use crate::silhouette::{across_rows, in_both};
@@ -36,15 +36,15 @@ impl SpanRow<'_> {
             #[cfg(target_feature = "sse2")]
             // SAFETY: a `Level` of that kind is the proof that the machine has its instructions.
             #[allow(unsafe_code)]
-            LevelKind::Avx512 => unsafe { self.draw_avx512(out) },
+            shadowmap_core::LevelKind::Avx512 => unsafe { self.draw_avx512(out) },
             #[cfg(target_feature = "sse2")]
             // SAFETY: as above.
             #[allow(unsafe_code)]
-            LevelKind::Avx2 => unsafe { self.draw_avx2(out) },
+            shadowmap_core::LevelKind::Avx2 => unsafe { self.draw_avx2(out) },
             #[cfg(target_feature = "sse2")]
             // SAFETY: as above.
             #[allow(unsafe_code)]
-            LevelKind::Sse41 => unsafe { self.draw_sse41(out) },
+            shadowmap_core::LevelKind::Sse41 => unsafe { self.draw_sse41(out) },
             // NEON and simd128 are on for the whole crate wherever they are at all.
             _ => self.draw_kernel(out),
         }

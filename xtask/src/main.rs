@@ -6,6 +6,7 @@ use std::process::{Command, ExitCode};
 
 mod ci;
 mod cross;
+mod elf;
 mod features;
 mod fuzz;
 mod run;

@@ -5,6 +5,7 @@ use std::fs;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
+use crate::elf::Sizes;
 use crate::run::{Report, cargo_command, in_ci, root};
 use crate::targets::{AARCH64, I686, THUMB, Target, Toolchain, WASMS};
 
@@ -154,6 +155,12 @@ fn microcontroller(toolchain: &Toolchain, target: &Target) -> Result<String, Str
     let hash = text.lines().find_map(|line| line.strip_prefix("mask ")).ok_or("no hash")?;
     for line in text.lines().filter(|line| !line.starts_with("mask ")) {
         println!("    {line}");
+    }
+    let folder = toolchain.target_folder(target).join(target.triple).join("release");
+    if let Some(Sizes { flash, ram }) = Sizes::of(&folder.join("bare-metal")) {
+        println!(
+            "    flash {flash} bytes; RAM {ram} bytes, of which 1048576 are set aside as heap"
+        );
     }
     Ok(format!("scalar 1\ttiny mask\t{}\n", hash.trim()))
 }

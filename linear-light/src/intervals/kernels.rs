@@ -1,6 +1,6 @@
 //! What every instruction set writes by hand, and the door to the kernels.
 
-use shadowmap_core::{Level, LevelKind};
+use shadowmap_core::Level;
 
 use super::block::{self, Counters};
 use super::bounds::{self, Nodes};
@@ -63,19 +63,19 @@ pub(super) fn run(level: Level, job: Job<'_>) {
     match level.kind() {
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_feature = "sse2")]
-        LevelKind::Sse41 => unsafe { x86::sse41(job) },
+        shadowmap_core::LevelKind::Sse41 => unsafe { x86::sse41(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_feature = "sse2")]
-        LevelKind::Avx2 => unsafe { x86::avx2(job) },
+        shadowmap_core::LevelKind::Avx2 => unsafe { x86::avx2(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_feature = "sse2")]
-        LevelKind::Avx512 => unsafe { x86::avx512(job) },
+        shadowmap_core::LevelKind::Avx512 => unsafe { x86::avx512(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_arch = "aarch64")]
-        LevelKind::Neon => unsafe { neon::neon(job) },
+        shadowmap_core::LevelKind::Neon => unsafe { neon::neon(job) },
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_arch = "wasm32")]
-        LevelKind::Simd128 => unsafe { wasm::simd128(job) },
+        shadowmap_core::LevelKind::Simd128 => unsafe { wasm::simd128(job) },
         _ => plain(job),
     }
 }
