@@ -77,3 +77,8 @@ pub use skins::{SkinVertex, draw_skins};
 
 /// The largest width and height of a map, in texels.
 pub const MAX_SIZE: u32 = 16384;
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

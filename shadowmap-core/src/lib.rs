@@ -64,3 +64,8 @@ pub use mesh::Mesh;
 pub use receiver::{HardShadow, LightPoint, hard_shadow};
 pub use view::{Projection, View, Window};
 pub use warp::{Plane, Warp};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -93,3 +93,8 @@ pub use camera::{LightMap, Texels};
 pub use counters::Counters;
 pub use mask::{Found, Visibility};
 pub use shadowmap_core::{Camera, SizeError, Surface, Surfaces};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
