@@ -5,7 +5,7 @@ use shadowmap_core::{Camera, Plane, Surfaces};
 use super::bounds::BAND;
 use super::frame::{Facing, Frame, Frustum, MAX_FRUSTA, UNKNOWN};
 use super::group::{Group, Scratch};
-use super::lanes::{INDEX, LANES, Lanes, Ops, lanes};
+use super::lanes::{INDEX, Ids, LANES, Lanes, Ops, lanes};
 use super::receivers::{Pixels, from_row, in_row, warp_row};
 
 /// What was done for the receivers of a camera.
@@ -28,7 +28,7 @@ struct Block {
     x: usize,
     y: usize,
     nearness: [Lanes; BAND],
-    ids: [[u32; LANES]; BAND],
+    ids: [Ids; BAND],
 }
 
 /// Judges all receivers of a band of the camera's image, from row `first_row` on.
@@ -47,10 +47,29 @@ pub(super) fn judge_band(
         let block = Block::load(&frame.camera, x, first_row, [width, height]);
         let mut visibility = [0.0; LANES * BAND];
         block.judge(ops, frame, scratch, counters, &mut visibility);
-        let columns = LANES.min(width - x);
-        for (line, visibility) in out.chunks_exact_mut(width).zip(visibility.chunks_exact(LANES)) {
-            line[x..x + columns].copy_from_slice(&visibility[..columns]);
+        for (line, visibility) in out.chunks_exact_mut(width).zip(visibility.as_chunks().0) {
+            put(&mut line[x..], visibility);
         }
+    }
+}
+
+/// The first elements of a row, as many as there are.
+#[inline(always)]
+fn take<T: Copy + Default>(row: &[T]) -> [T; LANES] {
+    if let Some(all) = row.first_chunk() {
+        return *all;
+    }
+    let mut out = [T::default(); LANES];
+    out[..row.len()].copy_from_slice(row);
+    out
+}
+
+/// Writes the first elements of a row, as many as there are.
+#[inline(always)]
+fn put(row: &mut [f32], values: &Lanes) {
+    match row.first_chunk_mut() {
+        Some(all) => *all = *values,
+        None => row.copy_from_slice(&values[..row.len()]),
     }
 }
 
@@ -58,13 +77,12 @@ impl Block {
     #[inline(always)]
     fn load(camera: &Camera<'_>, x: usize, y: usize, [width, height]: [usize; 2]) -> Block {
         let mut block = Block { x, y, nearness: [[0.0; LANES]; BAND], ids: [[0; LANES]; BAND] };
-        let columns = LANES.min(width - x);
         let map = camera.map();
         for row in 0..height {
-            let from = (y + row) * width + x;
-            block.nearness[row][..columns].copy_from_slice(&map.nearness()[from..from + columns]);
-            if let Some(ids) = map.ids().get(from..from + columns) {
-                block.ids[row][..columns].copy_from_slice(ids);
+            let pixels = (y + row) * width + x..(y + row + 1) * width;
+            block.nearness[row] = take(&map.nearness()[pixels.clone()]);
+            if let Some(ids) = map.ids().get(pixels) {
+                block.ids[row] = take(ids);
             }
         }
         block
@@ -157,9 +175,7 @@ impl Block {
             Surfaces::Table(_) => {
                 let id = self.ids[y][x];
                 for (row, ids) in self.ids.iter().enumerate() {
-                    let differs = lanes(|i| (ids[i] ^ id) as f32);
-                    let same = ops.greater(&[0.5; LANES], &differs);
-                    group |= from_row(same, row);
+                    group |= from_row(ops.equal(ids, id), row);
                 }
             }
             _ => {

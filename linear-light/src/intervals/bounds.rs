@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use shadowmap_core::BandSlice;
 
-use super::lanes::{INDEX, LANES, Lanes, Ops, greatest, lanes, least, max};
+use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, texels};
 
 /// Rows of texels in a band, and in a node.
 pub(super) const BAND: usize = 8;
@@ -126,7 +126,7 @@ impl Bounds {
 /// Bounds the texels of one band of a map: `rows` holds its rows, of `width` texels each. Returns
 /// an upper bound of all.
 #[inline(always)]
-pub(super) fn build(band: &mut [Nodes], rows: &[f32], width: usize) -> f32 {
+pub(super) fn build(ops: impl Ops, band: &mut [Nodes], rows: &[f32], width: usize) -> f32 {
     let mut most = [0.0; LANES];
     for (group, nodes) in band.iter_mut().enumerate() {
         *nodes = NOTHING;
@@ -135,53 +135,54 @@ pub(super) fn build(band: &mut [Nodes], rows: &[f32], width: usize) -> f32 {
             if x0 >= width {
                 break;
             }
-            nodes.bound(node, rows, width, x0);
+            if x0 + LANES <= width && rows.len() == BAND * width {
+                let line = |y: usize| rows[y * width + x0..].first_chunk();
+                let lines = core::array::from_fn(|y| line(y).expect("sixteen texels are left"));
+                nodes.bound(ops, node, lines);
+            } else {
+                let mut lines = [[0.0; LANES]; BAND];
+                for (line, row) in lines.iter_mut().zip(rows.chunks_exact(width)) {
+                    *line = texels(row, x0);
+                }
+                nodes.bound(ops, node, lines.each_ref());
+            }
         }
-        most = lanes(|i| max(nodes.most[i], most[i]));
+        most = ops.max(&nodes.most, &most);
     }
-    greatest(&most)
+    ops.greatest(&most)
 }
 
 impl Nodes {
     #[inline(always)]
-    fn bound(&mut self, node: usize, rows: &[f32], width: usize, x0: usize) {
-        let columns = (width - x0).min(LANES);
-        let height = rows.len() / width;
-        let mut texels = [[0.0_f32; LANES]; BAND];
-        for (y, line) in texels.iter_mut().enumerate().take(height) {
-            let from = y * width + x0;
-            if columns == LANES {
-                line.copy_from_slice(&rows[from..from + LANES]);
-            } else {
-                line[..columns].copy_from_slice(&rows[from..from + columns]);
-            }
-        }
+    fn bound(&mut self, ops: impl Ops, node: usize, band: [&Lanes; BAND]) {
         // The slope at the centre, where something is there.
         let (cx, cy) = (LANES / 2, BAND / 2);
-        let at = texels[cy][cx];
+        let at = band[cy][cx];
         let slope = |before: f32| if at > 0.0 && before > 0.0 { at - before } else { 0.0 };
-        let (slope_u, slope_v) = (slope(texels[cy][cx - 1]), slope(texels[cy - 1][cx]));
+        let (slope_u, slope_v) = (slope(band[cy][cx - 1]), slope(band[cy - 1][cx]));
         let finite = (at + slope_u + slope_v).is_finite() && at > 0.0;
         let (at, slope_u, slope_v) = if finite { (at, slope_u, slope_v) } else { (0.0, 0.0, 0.0) };
         let center = at - 0.5 * (slope_u + slope_v);
         let along = lanes(|i| center + slope_u * (INDEX[i] - HALF_COLUMNS));
-        let (mut low, mut high, mut most) =
-            ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES], [0.0; LANES]);
-        for (y, line) in texels.iter().enumerate() {
+        let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let mut most = [0.0; LANES];
+        for (y, line) in band.into_iter().enumerate() {
             let across = slope_v * (y as f32 - HALF_ROWS);
-            for i in 0..LANES {
-                let residual = line[i] - (along[i] + across);
-                let there = line[i] > 0.0;
-                low[i] = if there && residual < low[i] { residual } else { low[i] };
-                high[i] = if there && residual > high[i] { residual } else { high[i] };
-                most[i] = max(line[i], most[i]);
-            }
+            let there = ops.greater(line, &[0.0; LANES]);
+            let residual = lanes(|i| line[i] - (along[i] + across));
+            let (below, above) = (
+                ops.select(there, &residual, &[f32::INFINITY; LANES]),
+                ops.select(there, &residual, &[f32::NEG_INFINITY; LANES]),
+            );
+            low = ops.min(&below, &low);
+            high = ops.max(&above, &high);
+            most = ops.max(line, &most);
         }
         self.center[node] = center;
         self.slope_u[node] = slope_u;
         self.slope_v[node] = slope_v;
-        self.low[node] = least(&low);
-        self.high[node] = greatest(&high);
-        self.most[node] = greatest(&most);
+        self.low[node] = ops.least(&low);
+        self.high[node] = ops.greatest(&high);
+        self.most[node] = ops.greatest(&most);
     }
 }

@@ -6,7 +6,7 @@ use super::block::{self, Counters};
 use super::bounds::{self, Nodes};
 use super::frame::Frame;
 use super::group::Scratch;
-use super::lanes::{BIT, LANES, Lanes, Ops};
+use super::lanes::{self, BIT, Ids, LANES, Lanes, Ops, lanes, reduce};
 
 /// What is done with kernels: one band of rows at a time.
 pub(super) enum Job<'a> {
@@ -26,7 +26,9 @@ impl Job<'_> {
     #[inline(always)]
     fn run(self, ops: impl Ops) {
         match self {
-            Job::Bound { nodes, most, rows, width } => *most = bounds::build(nodes, rows, width),
+            Job::Bound { nodes, most, rows, width } => {
+                *most = bounds::build(ops, nodes, rows, width)
+            }
             Job::Judge { frame, first_row, out, scratch, counters } => {
                 block::judge_band(ops, frame, first_row, out, scratch, counters);
             }
@@ -36,23 +38,53 @@ impl Job<'_> {
 
 /// [`Ops`] of two closures: they have the features of the function that they are made in.
 #[derive(Clone, Copy)]
-struct Closures<G, S> {
+struct Closures<G, E, S, L, M, R, T> {
     greater: G,
+    equal: E,
     select: S,
+    min: L,
+    max: M,
+    least: R,
+    greatest: T,
 }
 
-impl<G, S> Ops for Closures<G, S>
+impl<G, E, S, L, M, R, T> Ops for Closures<G, E, S, L, M, R, T>
 where
     G: Fn(&Lanes, &Lanes) -> u32 + Copy,
+    E: Fn(&Ids, u32) -> u32 + Copy,
     S: Fn(u32, &Lanes, &Lanes) -> Lanes + Copy,
+    L: Fn(&Lanes, &Lanes) -> Lanes + Copy,
+    M: Fn(&Lanes, &Lanes) -> Lanes + Copy,
+    R: Fn(&Lanes) -> f32 + Copy,
+    T: Fn(&Lanes) -> f32 + Copy,
 {
     #[inline(always)]
     fn greater(self, a: &Lanes, b: &Lanes) -> u32 {
         (self.greater)(a, b)
     }
     #[inline(always)]
+    fn equal(self, a: &Ids, b: u32) -> u32 {
+        (self.equal)(a, b)
+    }
+    #[inline(always)]
     fn select(self, bits: u32, a: &Lanes, b: &Lanes) -> Lanes {
         (self.select)(bits, a, b)
+    }
+    #[inline(always)]
+    fn min(self, a: &Lanes, b: &Lanes) -> Lanes {
+        (self.min)(a, b)
+    }
+    #[inline(always)]
+    fn max(self, a: &Lanes, b: &Lanes) -> Lanes {
+        (self.max)(a, b)
+    }
+    #[inline(always)]
+    fn least(self, a: &Lanes) -> f32 {
+        (self.least)(a)
+    }
+    #[inline(always)]
+    fn greatest(self, a: &Lanes) -> f32 {
+        (self.greatest)(a)
     }
 }
 
@@ -88,6 +120,8 @@ fn plain(job: Job<'_>) {
         }
         bits
     };
+    let equal =
+        |a: &Ids, b: u32| a.iter().rev().fold(0, |bits, id| bits << 1 | u32::from(*id == b));
     let select = |bits: u32, a: &Lanes, b: &Lanes| {
         let mut out = *b;
         for i in 0..LANES {
@@ -95,7 +129,11 @@ fn plain(job: Job<'_>) {
         }
         out
     };
-    job.run(Closures { greater, select });
+    let min = |a: &Lanes, b: &Lanes| lanes(|i| lanes::min(a[i], b[i]));
+    let max = |a: &Lanes, b: &Lanes| lanes(|i| lanes::max(a[i], b[i]));
+    let least = |a: &Lanes| reduce(a, lanes::min);
+    let greatest = |a: &Lanes| reduce(a, lanes::max);
+    job.run(Closures { greater, equal, select, min, max, least, greatest });
 }
 
 #[cfg(target_feature = "sse2")]
@@ -107,7 +145,7 @@ mod x86 {
 
     use bytemuck::cast;
 
-    use super::super::lanes::{BIT, Lanes};
+    use super::super::lanes::{BIT, Ids, Lanes};
     use super::{Closures, Job};
 
     #[target_feature(enable = "sse4.1")]
@@ -116,6 +154,12 @@ mod x86 {
         let greater = |a: &Lanes, b: &Lanes| {
             let (a, b): ([__m128; 4], [__m128; 4]) = (cast(*a), cast(*b));
             let bits = |i: usize| _mm_movemask_ps(_mm_cmpgt_ps(a[i], b[i])) as u32;
+            bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
+        };
+        let equal = |a: &Ids, b: u32| {
+            let (a, b): ([__m128i; 4], _) = (cast(*a), _mm_set1_epi32(b as i32));
+            let bits =
+                |i: usize| _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(a[i], b))) as u32;
             bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
         };
         let select = |bits: u32, a: &Lanes, b: &Lanes| {
@@ -127,7 +171,33 @@ mod x86 {
             }
             cast(b)
         };
-        job.run(Closures { greater, select });
+        let min = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([__m128; 4], [__m128; 4]) = (cast(*a), cast(*b));
+            for i in 0..4 {
+                a[i] = _mm_min_ps(a[i], b[i]);
+            }
+            cast(a)
+        };
+        let max = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([__m128; 4], [__m128; 4]) = (cast(*a), cast(*b));
+            for i in 0..4 {
+                a[i] = _mm_max_ps(a[i], b[i]);
+            }
+            cast(a)
+        };
+        let least = |a: &Lanes| {
+            let a: [__m128; 4] = cast(*a);
+            let c = _mm_min_ps(_mm_min_ps(a[0], a[2]), _mm_min_ps(a[1], a[3]));
+            let d = _mm_min_ps(c, _mm_movehl_ps(c, c));
+            _mm_cvtss_f32(_mm_min_ss(d, _mm_movehdup_ps(d)))
+        };
+        let greatest = |a: &Lanes| {
+            let a: [__m128; 4] = cast(*a);
+            let c = _mm_max_ps(_mm_max_ps(a[0], a[2]), _mm_max_ps(a[1], a[3]));
+            let d = _mm_max_ps(c, _mm_movehl_ps(c, c));
+            _mm_cvtss_f32(_mm_max_ss(d, _mm_movehdup_ps(d)))
+        };
+        job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 
     #[target_feature(enable = "avx2")]
@@ -139,6 +209,13 @@ mod x86 {
                 |i: usize| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a[i], b[i])) as u32;
             bits(0) | bits(1) << 8
         };
+        let equal = |a: &Ids, b: u32| {
+            let (a, b): ([__m256i; 2], _) = (cast(*a), _mm256_set1_epi32(b as i32));
+            let bits = |i: usize| {
+                _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a[i], b))) as u32
+            };
+            bits(0) | bits(1) << 8
+        };
         let select = |bits: u32, a: &Lanes, b: &Lanes| {
             let (a, mut b): ([__m256; 2], [__m256; 2]) = (cast(*a), cast(*b));
             for i in 0..2 {
@@ -148,17 +225,64 @@ mod x86 {
             }
             cast(b)
         };
-        job.run(Closures { greater, select });
+        let min = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([__m256; 2], [__m256; 2]) = (cast(*a), cast(*b));
+            for i in 0..2 {
+                a[i] = _mm256_min_ps(a[i], b[i]);
+            }
+            cast(a)
+        };
+        let max = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([__m256; 2], [__m256; 2]) = (cast(*a), cast(*b));
+            for i in 0..2 {
+                a[i] = _mm256_max_ps(a[i], b[i]);
+            }
+            cast(a)
+        };
+        let least = |a: &Lanes| {
+            let a: [__m256; 2] = cast(*a);
+            let b: [__m128; 2] = cast(_mm256_min_ps(a[0], a[1]));
+            let c = _mm_min_ps(b[0], b[1]);
+            let d = _mm_min_ps(c, _mm_movehl_ps(c, c));
+            _mm_cvtss_f32(_mm_min_ss(d, _mm_movehdup_ps(d)))
+        };
+        let greatest = |a: &Lanes| {
+            let a: [__m256; 2] = cast(*a);
+            let b: [__m128; 2] = cast(_mm256_max_ps(a[0], a[1]));
+            let c = _mm_max_ps(b[0], b[1]);
+            let d = _mm_max_ps(c, _mm_movehl_ps(c, c));
+            _mm_cvtss_f32(_mm_max_ss(d, _mm_movehdup_ps(d)))
+        };
+        job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
     pub(super) fn avx512(job: Job<'_>) {
         let greater =
             |a: &Lanes, b: &Lanes| u32::from(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(cast(*a), cast(*b)));
+        let equal = |a: &Ids, b: u32| {
+            u32::from(_mm512_cmpeq_epi32_mask(cast(*a), _mm512_set1_epi32(b as i32)))
+        };
         let select = |bits: u32, a: &Lanes, b: &Lanes| {
             cast(_mm512_mask_blend_ps(bits as u16, cast(*b), cast(*a)))
         };
-        job.run(Closures { greater, select });
+        let min = |a: &Lanes, b: &Lanes| cast(_mm512_min_ps(cast(*a), cast(*b)));
+        let max = |a: &Lanes, b: &Lanes| cast(_mm512_max_ps(cast(*a), cast(*b)));
+        let least = |a: &Lanes| {
+            let a: [__m256; 2] = cast(*a);
+            let b: [__m128; 2] = cast(_mm256_min_ps(a[0], a[1]));
+            let c = _mm_min_ps(b[0], b[1]);
+            let d = _mm_min_ps(c, _mm_movehl_ps(c, c));
+            _mm_cvtss_f32(_mm_min_ss(d, _mm_movehdup_ps(d)))
+        };
+        let greatest = |a: &Lanes| {
+            let a: [__m256; 2] = cast(*a);
+            let b: [__m128; 2] = cast(_mm256_max_ps(a[0], a[1]));
+            let c = _mm_max_ps(b[0], b[1]);
+            let d = _mm_max_ps(c, _mm_movehl_ps(c, c));
+            _mm_cvtss_f32(_mm_max_ss(d, _mm_movehdup_ps(d)))
+        };
+        job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 }
 
@@ -168,7 +292,7 @@ mod neon {
 
     use bytemuck::cast;
 
-    use super::super::lanes::{BIT, Lanes};
+    use super::super::lanes::{self, BIT, Ids, Lanes, reduce};
     use super::{Closures, Job};
 
     #[target_feature(enable = "neon")]
@@ -179,6 +303,11 @@ mod neon {
             let bits = |i: usize| vaddvq_u32(vandq_u32(vcgtq_f32(a[i], b[i]), bit[i]));
             bits(0) | bits(1) | bits(2) | bits(3)
         };
+        let equal = |a: &Ids, b: u32| {
+            let (a, b): ([uint32x4_t; 4], _) = (cast(*a), vdupq_n_u32(b));
+            let bits = |i: usize| vaddvq_u32(vandq_u32(vceqq_u32(a[i], b), bit[i]));
+            bits(0) | bits(1) | bits(2) | bits(3)
+        };
         let select = |bits: u32, a: &Lanes, b: &Lanes| {
             let (a, mut b): ([float32x4_t; 4], [float32x4_t; 4]) = (cast(*a), cast(*b));
             for i in 0..4 {
@@ -186,7 +315,23 @@ mod neon {
             }
             cast(b)
         };
-        job.run(Closures { greater, select });
+        let min = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([float32x4_t; 4], [float32x4_t; 4]) = (cast(*a), cast(*b));
+            for i in 0..4 {
+                a[i] = vbslq_f32(vcltq_f32(a[i], b[i]), a[i], b[i]);
+            }
+            cast(a)
+        };
+        let max = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([float32x4_t; 4], [float32x4_t; 4]) = (cast(*a), cast(*b));
+            for i in 0..4 {
+                a[i] = vbslq_f32(vcgtq_f32(a[i], b[i]), a[i], b[i]);
+            }
+            cast(a)
+        };
+        let least = |a: &Lanes| reduce(a, lanes::min);
+        let greatest = |a: &Lanes| reduce(a, lanes::max);
+        job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 }
 
@@ -196,7 +341,7 @@ mod wasm {
 
     use bytemuck::cast;
 
-    use super::super::lanes::{BIT, Lanes};
+    use super::super::lanes::{self, BIT, Ids, Lanes, reduce};
     use super::{Closures, Job};
 
     #[target_feature(enable = "simd128")]
@@ -207,6 +352,11 @@ mod wasm {
             let bits = |i: usize| u32::from(u32x4_bitmask(f32x4_gt(a[i], b[i])));
             bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
         };
+        let equal = |a: &Ids, b: u32| {
+            let (a, b): ([v128; 4], _) = (cast(*a), u32x4_splat(b));
+            let bits = |i: usize| u32::from(u32x4_bitmask(u32x4_eq(a[i], b)));
+            bits(0) | bits(1) << 4 | bits(2) << 8 | bits(3) << 12
+        };
         let select = |bits: u32, a: &Lanes, b: &Lanes| {
             let (a, mut b): ([v128; 4], [v128; 4]) = (cast(*a), cast(*b));
             for i in 0..4 {
@@ -215,6 +365,22 @@ mod wasm {
             }
             cast(b)
         };
-        job.run(Closures { greater, select });
+        let min = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([v128; 4], [v128; 4]) = (cast(*a), cast(*b));
+            for i in 0..4 {
+                a[i] = f32x4_pmin(b[i], a[i]);
+            }
+            cast(a)
+        };
+        let max = |a: &Lanes, b: &Lanes| {
+            let (mut a, b): ([v128; 4], [v128; 4]) = (cast(*a), cast(*b));
+            for i in 0..4 {
+                a[i] = f32x4_pmax(b[i], a[i]);
+            }
+            cast(a)
+        };
+        let least = |a: &Lanes| reduce(a, lanes::min);
+        let greatest = |a: &Lanes| reduce(a, lanes::max);
+        job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 }

@@ -2,19 +2,33 @@
 //!
 //! Arithmetic is written on plain arrays, which the compiler turns into vector instructions of
 //! whatever width the calling function may use. Only turning comparisons into bits has to be spelled
-//! out per instruction set: every kernel takes a `Ops` for that.
+//! out per instruction set, and minima, which the compiler otherwise takes apart: every kernel takes
+//! a `Ops` for that.
 
 /// Numbers in one vector, and texels in one segment of a map's row.
 pub(super) const LANES: usize = 16;
 
 pub(super) type Lanes = [f32; LANES];
 
+/// As many object IDs.
+pub(super) type Ids = [u32; LANES];
+
 /// What every instruction set writes by hand: from lanes to bits and back.
 pub(super) trait Ops: Copy {
     /// Bit i says whether lane i of `a` is greater than that of `b`. False for NaN.
     fn greater(self, a: &Lanes, b: &Lanes) -> u32;
+    /// Bit i says whether lane i of `a` is `b`.
+    fn equal(self, a: &Ids, b: u32) -> u32;
     /// Lane i of `a` where bit i is set, of `b` elsewhere.
     fn select(self, bits: u32, a: &Lanes, b: &Lanes) -> Lanes;
+    /// [`min`], lane by lane.
+    fn min(self, a: &Lanes, b: &Lanes) -> Lanes;
+    /// [`max`], lane by lane.
+    fn max(self, a: &Lanes, b: &Lanes) -> Lanes;
+    /// The least lane.
+    fn least(self, a: &Lanes) -> f32;
+    /// The greatest lane.
+    fn greatest(self, a: &Lanes) -> f32;
 }
 
 /// The bit of each lane.
@@ -57,8 +71,9 @@ pub(super) fn greatest(a: &Lanes) -> f32 {
     reduce(a, max)
 }
 
+/// All lanes as one: first those eight apart, then four, two and one.
 #[inline(always)]
-fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
+pub(super) fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
     let (mut b, mut c) = ([0.0; 8], [0.0; 4]);
     for i in 0..8 {
         b[i] = f(a[i], a[i + 8]);
