@@ -1,6 +1,6 @@
 //! Pictures to files.
 
-use std::io::{Cursor, Write};
+use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
@@ -123,7 +123,7 @@ impl Picture {
 ///
 /// If the file cannot be made; whatever was at `path` is then as it was.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Error> {
-    let failed = |error: std::io::Error| Error::new(format_args!("{}: {error}", path.display()));
+    let failed = |error: io::Error| Error::new(format_args!("{}: {error}", path.display()));
     if let Ok(place) = fs::metadata(path)
         && !place.is_file()
     {
@@ -137,17 +137,46 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Error> {
     let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.map_or_else(|| PathBuf::from("."), Path::to_owned);
+    write_beside(&folder, &place, contents).map_err(failed)
+}
+
+/// Writes a file in `folder`, then moves it to `place`.
+fn write_beside(folder: &Path, place: &Path, contents: &[u8]) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
+    builder.prefix(".penumbra-");
+    #[cfg(target_os = "linux")]
+    if let Some(mut file) = nameless(folder) {
+        file.write_all(contents)?;
+        // Only what is whole gets a name, so that a killed run leaves nothing behind.
+        let named = builder.make_in(folder, |draft| name(&file, draft))?;
+        return named.persist(place).map(drop).map_err(|error| error.error);
+    }
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         // As for any new file: the process's mask takes away from this.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut draft = builder.prefix(".penumbra-").tempfile_in(&folder).map_err(failed)?;
-    draft.write_all(contents).map_err(failed)?;
-    draft.persist(&place).map_err(|error| failed(error.error))?;
-    Ok(())
+    let mut draft = builder.tempfile_in(folder)?;
+    draft.write_all(contents)?;
+    draft.persist(place).map(drop).map_err(|error| error.error)
+}
+
+/// A file that has no name yet, where the file system knows such.
+#[cfg(target_os = "linux")]
+fn nameless(folder: &Path) -> Option<fs::File> {
+    use rustix::fs::{Mode, OFlags, open};
+    let flags = OFlags::WRONLY | OFlags::TMPFILE | OFlags::CLOEXEC;
+    open(folder, flags, Mode::from_raw_mode(0o666)).ok().map(fs::File::from)
+}
+
+/// Gives a file a name, which must be free.
+#[cfg(target_os = "linux")]
+fn name(file: &fs::File, path: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    use std::os::fd::AsRawFd;
+    let file = format!("/proc/self/fd/{}", file.as_raw_fd());
+    Ok(linkat(CWD, file, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
 }
 
 /// Checks early, before the work, that a file could be written at `path`.
