@@ -1,4 +1,4 @@
-//! The four operations that every instruction set writes by hand, and the door to them.
+//! The four operations that searches are made of, at every instruction set, and the door to them.
 
 use core::ops::Range;
 
@@ -24,15 +24,13 @@ pub(crate) mod scalar;
 mod simd128;
 #[cfg(target_feature = "sse2")]
 mod sse41;
-
-/// The number of each lane.
 #[cfg(any(
     target_feature = "sse2",
     all(target_arch = "aarch64", target_endian = "little"),
     all(target_arch = "wasm32", target_feature = "simd128"),
 ))]
-const LANE: [f32; LANES] =
-    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+mod vectors;
+
 /// What the algorithms, written once, ask of an instruction set.
 ///
 /// Each instruction set makes one [`Kernels`] of four closures inside a function with its target

@@ -1,0 +1,255 @@
+//! The kernels, written once for all instruction sets that have vectors.
+//!
+//! Small functions rather than closures: a closure is a function of its own, without the
+//! instructions, and need not be inlined.
+
+use core::mem::size_of;
+
+use bytemuck::{AnyBitPattern, NoUninit, bytes_of, cast_slice, pod_read_unaligned};
+
+use crate::build::{FIRST, Ranges};
+use crate::map::{COLUMNS, ROWS, Row};
+use crate::pyramid::{LANES, NodeGroup};
+use crate::reach::{Boxes, GroupTest, Verdicts};
+use crate::search::{RATIO_ROOM, TileTest};
+
+/// The number of each lane.
+const LANE: [f32; LANES] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// What an instruction set does with a vector of single-precision numbers. A value is the proof
+/// that the machine has the instructions.
+pub(crate) trait Vectors: Copy {
+    /// A vector, and a yes or no for each of its lanes.
+    type F: AnyBitPattern + NoUninit;
+    type M: Copy;
+
+    fn all(self, a: f32) -> Self::F;
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    fn abs(self, a: Self::F) -> Self::F;
+    /// `a < b ? a : b`.
+    fn smaller(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a > b ? a : b`.
+    fn larger(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a > b`.
+    fn greater(self, a: Self::F, b: Self::F) -> Self::M;
+    /// `a <= b`.
+    fn at_most(self, a: Self::F, b: Self::F) -> Self::M;
+    /// Whether the bits are those of an integer.
+    fn same_bits(self, a: Self::F, b: u32) -> Self::M;
+    /// Bit `i` is lane `i`.
+    fn bits(self, m: Self::M) -> u32;
+
+    /// The least lane of a vector without NaN.
+    #[inline(always)]
+    fn least(self, a: Self::F) -> f32 {
+        let lanes: &[f32] = cast_slice(bytes_of(&a));
+        lanes.iter().fold(lanes[0], |least, &lane| if lane < least { lane } else { least })
+    }
+    /// The greatest lane of a vector without NaN.
+    #[inline(always)]
+    fn greatest(self, a: Self::F) -> f32 {
+        let lanes: &[f32] = cast_slice(bytes_of(&a));
+        lanes.iter().fold(lanes[0], |most, &lane| if lane > most { lane } else { most })
+    }
+}
+
+/// Writes the operations of an instruction set down as a table.
+///
+/// Each becomes an `#[inline(always)]` method: the intrinsics get inlined where the kernel is,
+/// inside a function with their instructions enabled.
+macro_rules! operations {
+    (unsafe: $($name:ident($($argument:ident: $type:ty),*) -> $result:ty = $body:expr;)*) => {
+        $(
+            #[inline(always)]
+            #[allow(unsafe_code)]
+            fn $name(self, $($argument: $type),*) -> $result {
+                // SAFETY: a value of Self is the proof that the machine has the instructions.
+                unsafe { $body }
+            }
+        )*
+    };
+    (safe: $($name:ident($($argument:ident: $type:ty),*) -> $result:ty = $body:expr;)*) => {
+        $(
+            #[inline(always)]
+            fn $name(self, $($argument: $type),*) -> $result {
+                $body
+            }
+        )*
+    };
+}
+pub(crate) use operations;
+
+/// Lanes in a vector.
+#[inline(always)]
+const fn width<V: Vectors>() -> usize {
+    size_of::<V::F>() / size_of::<f32>()
+}
+
+/// Vectors in a tile's row or a group of nodes.
+#[inline(always)]
+const fn parts<V: Vectors>() -> usize {
+    LANES / width::<V>()
+}
+
+/// One of the vectors in a row.
+#[inline(always)]
+fn load<V: Vectors, T: NoUninit>(row: &[T; LANES], part: usize) -> V::F {
+    let lanes = &row[part * width::<V>()..][..width::<V>()];
+    pod_read_unaligned(cast_slice(lanes))
+}
+
+/// The bits of a mask, those of vector `part` in their place.
+#[inline(always)]
+fn bits<V: Vectors>(v: V, mask: V::M, part: usize) -> u32 {
+    v.bits(mask) << (width::<V>() * part)
+}
+
+/// The bits of all rows, the first in the lowest.
+#[inline(always)]
+fn word(rows: [u32; ROWS]) -> u128 {
+    let half = |i: usize| {
+        let [a, b, c, d] = [rows[i], rows[i + 1], rows[i + 2], rows[i + 3]].map(u64::from);
+        (a | b << COLUMNS) | (c << (2 * COLUMNS) | d << (3 * COLUMNS))
+    };
+    u128::from(half(0)) | u128::from(half(4)) << 64
+}
+
+/// The columns of a tile as seen from the receiver.
+#[inline(always)]
+fn columns<V: Vectors>(v: V, test: &TileTest, part: usize) -> V::F {
+    v.sub(v.add(v.all(test.first), load::<V, _>(&LANE, part)), v.all(test.u))
+}
+
+/// [`super::Ops::tile`].
+#[inline(always)]
+pub(crate) fn tile<V: Vectors>(v: V, test: &TileTest, rows: [&Row; ROWS]) -> u128 {
+    let mut blocks = [0; ROWS];
+    for part in 0..parts::<V>() {
+        let rise_x = v.mul(v.all(test.slope[0]), columns(v, test, part));
+        for row in 0..ROWS {
+            let rise = v.add(rise_x, v.all(test.rise[row]));
+            let plane = v.add(v.add(v.all(test.nearness), rise), v.all(test.offset));
+            blocks[row] |= bits(v, v.greater(load::<V, _>(rows[row], part), plane), part);
+        }
+    }
+    let found = if test.lit { !word(blocks) } else { word(blocks) };
+    // Of most tiles that is all there is to know.
+    if found == 0 {
+        return 0;
+    }
+    let mut within = [0; ROWS];
+    for part in 0..parts::<V>() {
+        let dx = columns(v, test, part);
+        let dx_squared = v.mul(dx, dx);
+        for row in 0..ROWS {
+            let distance = v.add(dx_squared, v.all(test.dy_squared[row]));
+            let mut near = v.bits(v.at_most(distance, v.all(test.reach_squared)));
+            if let Some(key) = test.ratio {
+                let nearer = v.sub(load::<V, _>(rows[row], part), v.all(test.nearness));
+                let most = v.mul(v.all(key * RATIO_ROOM), v.mul(nearer, nearer));
+                near &= v.bits(v.greater(nearer, v.all(0.0))) & !v.bits(v.greater(distance, most));
+            }
+            within[row] |= near << (width::<V>() * part);
+        }
+    }
+    found & word(within)
+}
+
+/// [`super::Ops::equal`].
+#[inline(always)]
+pub(crate) fn equal<V: Vectors>(v: V, numbers: &[u32; LANES], number: u32) -> u32 {
+    let mut found = 0;
+    for part in 0..parts::<V>() {
+        found |= bits(v, v.same_bits(load::<V, _>(numbers, part), number), part);
+    }
+    found
+}
+
+/// How far boxes are from the receivers along an axis.
+#[inline(always)]
+fn gap<V: Vectors>(v: V, test: &GroupTest, low: V::F, high: V::F, axis: usize) -> V::F {
+    let before = v.sub(low, v.all(test.to[axis]));
+    let after = v.sub(v.all(test.from[axis]), high);
+    v.larger(v.larger(before, after), v.all(0.0))
+}
+
+/// How far a plane rises from the centre of a box to its highest corner.
+#[inline(always)]
+fn tilt<V: Vectors>(v: V, slope: [V::F; 2], half: [V::F; 2]) -> V::F {
+    v.add(v.mul(v.abs(slope[0]), half[0]), v.mul(v.abs(slope[1]), half[1]))
+}
+
+/// [`super::Ops::group`].
+#[inline(always)]
+pub(crate) fn group<V: Vectors>(
+    v: V,
+    test: &GroupTest,
+    boxes: &Boxes,
+    nodes: &NodeGroup,
+) -> Verdicts {
+    let plane = test.plane;
+    let mut verdicts = Verdicts { may_block: 0, may_be_lit: 0, keys: [0.0; LANES] };
+    for part in 0..parts::<V>() {
+        let (left, right) = (load::<V, _>(&boxes.left, part), load::<V, _>(&boxes.right, part));
+        let (top, bottom) = (load::<V, _>(&boxes.top, part), load::<V, _>(&boxes.bottom, part));
+        let (dx, dy) = (gap(v, test, left, right, 0), gap(v, test, top, bottom, 1));
+        let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
+        let near = bits(v, v.at_most(distance, v.all(test.reach_squared)), part);
+
+        let x = v.sub(v.mul(v.add(left, right), v.all(0.5)), v.all(plane.u));
+        let y = v.sub(v.mul(v.add(top, bottom), v.all(0.5)), v.all(plane.v));
+        let (x, y) = (v.mul(v.all(plane.slope.x), x), v.mul(v.all(plane.slope.y), y));
+        let at_center = v.add(v.all(plane.nearness), v.add(x, y));
+
+        let half_x = v.mul(v.sub(right, left), v.all(0.5));
+        let half_y = v.mul(v.sub(bottom, top), v.all(0.5));
+        let half = [half_x, half_y];
+        let (x, y) = (load::<V, _>(&nodes.slope_x, part), load::<V, _>(&nodes.slope_y, part));
+        let steeper = [v.sub(x, v.all(plane.slope.x)), v.sub(y, v.all(plane.slope.y))];
+        let spread = tilt(v, steeper, half);
+        let (low, high) = (load::<V, _>(&nodes.low, part), load::<V, _>(&nodes.high, part));
+        let highest = v.sub(v.add(high, spread), at_center);
+        let lowest = v.sub(v.sub(low, spread), at_center);
+        // Written so that NaN may block and may be lit.
+        let mut out = bits(v, v.at_most(highest, v.all(test.least)), part);
+        let above = bits(v, v.greater(lowest, v.all(test.most)), part);
+        let mut keys = distance;
+        if let Some(cone) = test.cone {
+            let nearer = v.sub(v.add(high, tilt(v, [x, y], half)), v.all(cone.nearness));
+            keys = v.div(distance, v.mul(nearer, nearer));
+            out |= bits(v, v.at_most(nearer, v.all(0.0)), part);
+            out |= bits(v, v.greater(keys, v.all(cone.at_most)), part);
+        }
+        let width = width::<V>();
+        verdicts.keys[part * width..][..width].copy_from_slice(cast_slice(bytes_of(&keys)));
+        verdicts.may_block |= near & !out;
+        verdicts.may_be_lit |= near & !above;
+    }
+    verdicts
+}
+
+/// [`super::Ops::leaf`].
+#[inline(always)]
+pub(crate) fn leaf<V: Vectors>(v: V, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
+    let (mut low, mut high) = (v.all(f32::INFINITY), v.all(f32::NEG_INFINITY));
+    // Bits of lanes that are numbers.
+    let mut numbers = u32::MAX;
+    for part in 0..parts::<V>() {
+        let x = v.add(v.all(FIRST[0]), load::<V, _>(&LANE, part));
+        let rise_x = v.mul(v.all(slope[0]), x);
+        for (row, y) in rows.into_iter().zip(0u8..) {
+            let texels = load::<V, _>(row, part);
+            let plane = v.add(rise_x, v.all(slope[1] * (FIRST[1] + f32::from(y))));
+            let above = v.sub(texels, plane);
+            // Of a NaN and a number, these take the number.
+            (low, high) = (v.smaller(above, low), v.larger(above, high));
+            numbers &= v.bits(v.at_most(texels, texels));
+        }
+    }
+    let nan = numbers.count_ones() as usize != width::<V>();
+    Ranges { low: v.least(low), high: v.greatest(high), nan }
+}
