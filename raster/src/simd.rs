@@ -77,11 +77,20 @@ pub(crate) trait Simd: Copy {
     fn less_f(self, a: Self::F, b: Self::F) -> Self::M;
     fn equal_f(self, a: Self::F, b: Self::F) -> Self::M;
     /// [`Simd::less_f`] in the lanes of `m`.
-    fn less_f_in(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M;
+    #[inline(always)]
+    fn less_f_in(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M {
+        self.and_m(m, self.less_f(a, b))
+    }
     /// [`Simd::equal_f`] in the lanes of `m`.
-    fn equal_f_in(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M;
+    #[inline(always)]
+    fn equal_f_in(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M {
+        self.and_m(m, self.equal_f(a, b))
+    }
     /// `a >= 0`.
-    fn not_negative(self, a: Self::I) -> Self::M;
+    #[inline(always)]
+    fn not_negative(self, a: Self::I) -> Self::M {
+        self.greater_i(a, self.splat_i(-1))
+    }
     fn greater_i(self, a: Self::I, b: Self::I) -> Self::M;
     /// `a < b`, both unsigned.
     fn below_u(self, a: Self::I, b: Self::I) -> Self::M;
@@ -230,9 +239,8 @@ pub(crate) fn set_bits(mut bits: u32) -> impl Iterator<Item = usize> {
 ///
 /// Each becomes an `#[inline(always)]` method: the intrinsics get inlined where the kernel is,
 /// inside a function with their instructions enabled.
-#[cfg(target_feature = "sse2")]
 macro_rules! operations {
-    ($self:ident;
+    ($self:ident, unsafe:
         $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*
     ) => {
         $(
@@ -240,15 +248,21 @@ macro_rules! operations {
             fn $name($self, $($argument: $type),*) $(-> $result)? {
                 // SAFETY: a value of Self is the proof that the machine has the instructions, and
                 // each pointer comes from a slice or array whose length is checked beside it.
-                #[allow(unused_unsafe)]
-                unsafe {
-                    $body
-                }
+                unsafe { $body }
+            }
+        )*
+    };
+    ($self:ident, safe:
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*
+    ) => {
+        $(
+            #[inline(always)]
+            fn $name($self, $($argument: $type),*) $(-> $result)? {
+                $body
             }
         )*
     };
 }
-#[cfg(target_feature = "sse2")]
 pub(crate) use operations;
 
 /// Defines `fn name(level, arguments)`: `body`, an `#[inline(always)]` function of a [`Simd`] and

@@ -33,7 +33,7 @@ impl Simd for Avx2 {
     type D = D;
     type M = M;
 
-    operations! { self;
+    operations! { self, unsafe:
         splat_f(a: f32) -> F = _mm256_set1_ps(a);
         splat_i(a: i32) -> I = _mm256_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm256_set1_pd(a); 2];
@@ -69,9 +69,6 @@ impl Simd for Avx2 {
 
         less_f(a: F, b: F) -> M = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
         equal_f(a: F, b: F) -> M = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_EQ_OQ>(a, b));
-        less_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.less_f(a, b));
-        equal_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.equal_f(a, b));
-        not_negative(a: I) -> M = _mm256_cmpgt_epi32(a, _mm256_set1_epi32(-1));
         greater_i(a: I, b: I) -> M = _mm256_cmpgt_epi32(a, b);
         below_u(a: I, b: I) -> M = {
             let sign = _mm256_set1_epi32(i32::MIN);

@@ -32,7 +32,12 @@ impl Simd for Avx512 {
     type D = D;
     type M = M;
 
-    operations! { self;
+    operations! { self, safe:
+        and_m(a: M, b: M) -> M = a & b;
+        or_m(a: M, b: M) -> M = a | b;
+        bits(m: M) -> u32 = u32::from(m);
+    }
+    operations! { self, unsafe:
         splat_f(a: f32) -> F = _mm512_set1_ps(a);
         splat_i(a: i32) -> I = _mm512_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm512_set1_pd(a); 2];
@@ -76,9 +81,6 @@ impl Simd for Avx512 {
         not_negative(a: I) -> M = _mm512_cmpge_epi32_mask(a, _mm512_setzero_si512());
         greater_i(a: I, b: I) -> M = _mm512_cmpgt_epi32_mask(a, b);
         below_u(a: I, b: I) -> M = _mm512_cmplt_epu32_mask(a, b);
-        and_m(a: M, b: M) -> M = a & b;
-        or_m(a: M, b: M) -> M = a | b;
-        bits(m: M) -> u32 = u32::from(m);
         select_f(m: M, a: F, b: F) -> F = _mm512_mask_blend_ps(m, b, a);
         select_i(m: M, a: I, b: I) -> I = _mm512_mask_blend_epi32(m, b, a);
 

@@ -3,7 +3,7 @@
 
 use wide::{f32x4, f64x2, i32x4};
 
-use super::{MAX_LANES, Simd};
+use super::{MAX_LANES, Simd, operations};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Portable;
@@ -14,18 +14,6 @@ type D = [f64x2; 2];
 /// All bits of a lane are set, or none.
 type M = i32x4;
 
-/// Writes operations down as a table.
-macro_rules! operations {
-    ($($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*) => {
-        $(
-            #[inline(always)]
-            fn $name(self, $($argument: $type),*) $(-> $result)? {
-                $body
-            }
-        )*
-    };
-}
-
 impl Simd for Portable {
     const LANES: usize = 4;
     type F = F;
@@ -33,7 +21,7 @@ impl Simd for Portable {
     type D = D;
     type M = M;
 
-    operations! {
+    operations! { self, safe:
         splat_f(a: f32) -> F = F::splat(a);
         splat_i(a: i32) -> I = I::splat(a);
         splat_d(a: f64) -> D = [f64x2::splat(a); 2];
@@ -72,9 +60,6 @@ impl Simd for Portable {
 
         less_f(a: F, b: F) -> M = bytemuck::cast(a.simd_lt(b));
         equal_f(a: F, b: F) -> M = bytemuck::cast(a.simd_eq(b));
-        less_f_in(m: M, a: F, b: F) -> M = m & bytemuck::cast::<F, M>(a.simd_lt(b));
-        equal_f_in(m: M, a: F, b: F) -> M = m & bytemuck::cast::<F, M>(a.simd_eq(b));
-        not_negative(a: I) -> M = a.simd_gt(I::splat(-1));
         greater_i(a: I, b: I) -> M = a.simd_gt(b);
         below_u(a: I, b: I) -> M = {
             let sign = I::splat(i32::MIN);

@@ -33,7 +33,7 @@ impl Simd for Sse41 {
     type D = D;
     type M = M;
 
-    operations! { self;
+    operations! { self, unsafe:
         splat_f(a: f32) -> F = _mm_set1_ps(a);
         splat_i(a: i32) -> I = _mm_set1_epi32(a);
         splat_d(a: f64) -> D = [_mm_set1_pd(a); 2];
@@ -69,9 +69,6 @@ impl Simd for Sse41 {
 
         less_f(a: F, b: F) -> M = _mm_castps_si128(_mm_cmplt_ps(a, b));
         equal_f(a: F, b: F) -> M = _mm_castps_si128(_mm_cmpeq_ps(a, b));
-        less_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.less_f(a, b));
-        equal_f_in(m: M, a: F, b: F) -> M = self.and_m(m, self.equal_f(a, b));
-        not_negative(a: I) -> M = _mm_cmpgt_epi32(a, _mm_set1_epi32(-1));
         greater_i(a: I, b: I) -> M = _mm_cmpgt_epi32(a, b);
         below_u(a: I, b: I) -> M = {
             let sign = _mm_set1_epi32(i32::MIN);
