@@ -185,11 +185,11 @@ fn push_small<S: Simd>(
         s.store_u(&mut y[k], lanes.y[k]);
     }
     let (mut edges, mut dx, mut dy) =
-        ([[0.0; MAX_LANES]; 3], [[0.0; MAX_LANES]; 3], [[0.0; MAX_LANES]; 3]);
+        ([[0; MAX_LANES]; 3], [[0; MAX_LANES]; 3], [[0; MAX_LANES]; 3]);
     for k in 0..3 {
-        s.store_f(&mut edges[k], lanes.edges[k]);
-        s.store_f(&mut dx[k], lanes.delta[k][0]);
-        s.store_f(&mut dy[k], lanes.delta[k][1]);
+        s.store_u(&mut edges[k], s.shift_right::<8>(lanes.edges[k]));
+        s.store_u(&mut dx[k], lanes.delta[k][0]);
+        s.store_u(&mut dy[k], lanes.delta[k][1]);
     }
     let (mut a, mut b, mut c) = ([0.0; MAX_LANES], [0.0; MAX_LANES], [0.0; MAX_LANES]);
     s.store_d(&mut a, planes.a);
@@ -205,7 +205,7 @@ fn push_small<S: Simd>(
             y: y[0][lane] as u16,
             last_x: x[1][lane] as u16,
             last_y: y[1][lane] as u16,
-            edges: [0, 1, 2].map(|k| edges[k][lane] as i32 >> 8),
+            edges: [0, 1, 2].map(|k| edges[k][lane] as i32),
             step_x: [0, 1, 2].map(|k| -(dy[k][lane] as i32)),
             step_y: [0, 1, 2].map(|k| dx[k][lane] as i32),
             plane: Plane { a: a[lane], b: b[lane], c: c[lane], low: low[lane], high: high[lane] },

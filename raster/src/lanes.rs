@@ -5,9 +5,9 @@ use crate::coverage::{SNAP_SHIFT, SUBTEXELS};
 use crate::plane::STEEPEST;
 use crate::simd::{MAX_LANES, Simd};
 
-/// Below this width and height, in 1/256 texel, a triangle is small: its edge functions are exact
-/// in single precision.
-const SMALL: i32 = 16 * SUBTEXELS;
+/// Below this width and height, in 1/256 texel, a triangle is small: its edge functions fit into 32
+/// bits, and its bounds into few vectors.
+const SMALL: i32 = 24 * SUBTEXELS;
 
 /// A vector of triangles, snapped, and what they cover.
 pub(crate) struct Lanes<S: Simd> {
@@ -15,9 +15,9 @@ pub(crate) struct Lanes<S: Simd> {
     pub(crate) x: [S::I; 2],
     pub(crate) y: [S::I; 2],
     /// The edge functions at the centre of the first texel, less 1 where they do not own it.
-    pub(crate) edges: [S::F; 3],
+    pub(crate) edges: [S::I; 3],
     /// The extent of each edge.
-    pub(crate) delta: [[S::F; 2]; 3],
+    pub(crate) delta: [[S::I; 2]; 3],
     /// Less than [`SMALL`], with an area and something in the bounds.
     pub(crate) drawn: u32,
     /// Of these, those that cover the texels (0, 0), (1, 0), (0, 1), (1, 1) of bounds that have no
@@ -34,7 +34,6 @@ pub(crate) struct Lanes<S: Simd> {
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn cover(s: S, seen: &[(S::F, S::F); 3], wanted: u32, grid: &Grid) -> Lanes<S> {
-        let zero = s.splat_f(0.0);
         let sum = s.add_f(s.add_f(seen[0].0, seen[1].0), seen[2].0);
         let special = !s.bits(s.equal_f(sum, sum));
         let us = [snap(s, seen[0].0), snap(s, seen[1].0), snap(s, seen[2].0)];
@@ -43,41 +42,45 @@ impl<S: Simd> Lanes<S> {
         let (y, high) = bounds(s, vs, grid.height);
         let empty = s.or_m(s.greater_i(x[0], x[1]), s.greater_i(y[0], y[1]));
         let in_bounds = wanted & !s.bits(empty) & !special;
-        // From here on relative to the centre of the first texel.
+        // From here on relative to the centre of the first texel. What overflows is not small.
         let us = relative(s, us, x[0]);
         let vs = relative(s, vs, y[0]);
+        let (zero, one) = (s.splat_i(0), s.splat_i(1));
         let mut delta = [[zero; 2]; 3];
         for (k, delta) in delta.iter_mut().enumerate() {
             let to = (k + 1) % 3;
-            *delta = [s.sub_f(us[to], us[k]), s.sub_f(vs[to], vs[k])];
+            *delta = [s.sub_i(us[to], us[k]), s.sub_i(vs[to], vs[k])];
         }
         // Wound so that the edge functions are positive inside; (dx, dy) of edge 2 points back to
         // vertex 0, whence the order of the products.
-        let area = s.sub_f(s.mul_f(delta[2][0], delta[0][1]), s.mul_f(delta[0][0], delta[2][1]));
-        let step = s.splat_f(SUBTEXELS as f32);
+        let area = s.sub_i(s.mul_i(delta[2][0], delta[0][1]), s.mul_i(delta[0][0], delta[2][1]));
+        let reversed = s.greater_i(zero, area);
         let (mut edges, mut right, mut below, mut both) =
             ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
         for k in 0..3 {
-            let [dx, dy] = [s.flip_f(delta[k][0], area), s.flip_f(delta[k][1], area)];
+            let [dx, dy] = delta[k];
+            let dx = s.select_i(reversed, s.sub_i(zero, dx), dx);
+            let dy = s.select_i(reversed, s.sub_i(zero, dy), dy);
             delta[k] = [dx, dy];
-            let level = s.and_m(s.equal_f(dy, zero), s.less_f(zero, dx));
-            let owned = s.or_m(s.less_f(dy, zero), level);
-            let edge = s.sub_f(s.mul_f(dy, us[k]), s.mul_f(dx, vs[k]));
-            edges[k] = s.sub_f(edge, s.select_f(owned, zero, s.splat_f(1.0)));
-            right[k] = s.sub_f(edges[k], s.mul_f(dy, step));
-            below[k] = s.add_f(edges[k], s.mul_f(dx, step));
-            both[k] = s.add_f(right[k], s.mul_f(dx, step));
+            // Up, or level and to the right.
+            let to_the_right = s.select_i(s.greater_i(dx, zero), one, zero);
+            let owned = s.greater_i(to_the_right, s.add_i(dy, dy));
+            let edge = s.sub_i(s.mul_i(dy, us[k]), s.mul_i(dx, vs[k]));
+            edges[k] = s.sub_i(edge, s.select_i(owned, zero, one));
+            let (down, across) = (s.shift_left::<8>(dx), s.shift_left::<8>(dy));
+            right[k] = s.sub_i(edges[k], across);
+            below[k] = s.add_i(edges[k], down);
+            both[k] = s.add_i(right[k], down);
         }
         let has_right = s.bits(s.greater_i(x[1], x[0]));
         let has_below = s.bits(s.greater_i(y[1], y[0]));
-        let one = s.splat_i(1);
         let beyond =
             s.or_m(s.greater_i(s.sub_i(x[1], x[0]), one), s.greater_i(s.sub_i(y[1], y[0]), one));
         let is_tiny = !s.bits(beyond);
         let limit = s.splat_i(SMALL);
         let is_small = s.bits(s.and_m(s.greater_i(limit, wide), s.greater_i(limit, high)));
         let is_small = if (grid.width as usize) < MAX_LANES { 0 } else { is_small };
-        let flat = s.bits(s.equal_f(area, zero));
+        let flat = !s.bits(s.or_m(reversed, s.greater_i(area, zero)));
         let drawn = in_bounds & is_small & !flat;
         let tiny = drawn & is_tiny;
         Lanes {
@@ -101,15 +104,15 @@ impl<S: Simd> Lanes<S> {
 
 /// The lanes in which no edge function is negative.
 #[inline(always)]
-fn inside<S: Simd>(s: S, [a, b, c]: [S::F; 3]) -> u32 {
-    !s.bits(s.less_f(s.min_f(s.min_f(a, b), c), s.splat_f(0.0)))
+fn inside<S: Simd>(s: S, [a, b, c]: [S::I; 3]) -> u32 {
+    s.bits(s.not_negative(s.or_i(s.or_i(a, b), c)))
 }
 
 /// Snapped coordinates relative to the centre of a texel.
 #[inline(always)]
-fn relative<S: Simd>(s: S, [a, b, c]: [S::I; 3], texel: S::I) -> [S::F; 3] {
+fn relative<S: Simd>(s: S, [a, b, c]: [S::I; 3], texel: S::I) -> [S::I; 3] {
     let center = s.add_i(s.shift_left::<8>(texel), s.splat_i(SUBTEXELS / 2));
-    [s.f_from_i(s.sub_i(a, center)), s.f_from_i(s.sub_i(b, center)), s.f_from_i(s.sub_i(c, center))]
+    [s.sub_i(a, center), s.sub_i(b, center), s.sub_i(c, center)]
 }
 
 /// [`crate::coverage::snap`].

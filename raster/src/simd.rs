@@ -44,14 +44,11 @@ pub(crate) trait Simd: Copy {
     fn lanes(self) -> Self::I;
 
     fn add_f(self, a: Self::F, b: Self::F) -> Self::F;
-    fn sub_f(self, a: Self::F, b: Self::F) -> Self::F;
     fn mul_f(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a < b ? a : b`.
     fn min_f(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a > b ? a : b`.
     fn max_f(self, a: Self::F, b: Self::F) -> Self::F;
-    /// `a` with its sign changed where `b` is negative.
-    fn flip_f(self, a: Self::F, b: Self::F) -> Self::F;
 
     fn add_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn sub_i(self, a: Self::I, b: Self::I) -> Self::I;

@@ -1,4 +1,4 @@
-//! Triangles of less than 16 texels in width and height.
+//! Triangles of less than 24 texels in width and height.
 
 use crate::band::Rows;
 use crate::bins::Small;

@@ -40,11 +40,9 @@ impl Simd for Avx2 {
         lanes() -> I = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
 
         add_f(a: F, b: F) -> F = _mm256_add_ps(a, b);
-        sub_f(a: F, b: F) -> F = _mm256_sub_ps(a, b);
         mul_f(a: F, b: F) -> F = _mm256_mul_ps(a, b);
         min_f(a: F, b: F) -> F = _mm256_min_ps(a, b);
         max_f(a: F, b: F) -> F = _mm256_max_ps(a, b);
-        flip_f(a: F, b: F) -> F = _mm256_xor_ps(a, _mm256_and_ps(b, _mm256_set1_ps(-0.0)));
 
         add_i(a: I, b: I) -> I = _mm256_add_epi32(a, b);
         sub_i(a: I, b: I) -> I = _mm256_sub_epi32(a, b);

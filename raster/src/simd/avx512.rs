@@ -44,11 +44,9 @@ impl Simd for Avx512 {
         lanes() -> I = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 
         add_f(a: F, b: F) -> F = _mm512_add_ps(a, b);
-        sub_f(a: F, b: F) -> F = _mm512_sub_ps(a, b);
         mul_f(a: F, b: F) -> F = _mm512_mul_ps(a, b);
         min_f(a: F, b: F) -> F = _mm512_min_ps(a, b);
         max_f(a: F, b: F) -> F = _mm512_max_ps(a, b);
-        flip_f(a: F, b: F) -> F = _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0)));
 
         add_i(a: I, b: I) -> I = _mm512_add_epi32(a, b);
         sub_i(a: I, b: I) -> I = _mm512_sub_epi32(a, b);

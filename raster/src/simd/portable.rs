@@ -28,11 +28,9 @@ impl Simd for Portable {
         lanes() -> I = I::new([0, 1, 2, 3]);
 
         add_f(a: F, b: F) -> F = a + b;
-        sub_f(a: F, b: F) -> F = a - b;
         mul_f(a: F, b: F) -> F = a * b;
         min_f(a: F, b: F) -> F = a.simd_lt(b).select(a, b);
         max_f(a: F, b: F) -> F = a.simd_gt(b).select(a, b);
-        flip_f(a: F, b: F) -> F = a ^ (b & F::splat(-0.0));
 
         add_i(a: I, b: I) -> I = a + b;
         sub_i(a: I, b: I) -> I = a - b;

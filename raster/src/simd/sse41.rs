@@ -40,11 +40,9 @@ impl Simd for Sse41 {
         lanes() -> I = _mm_setr_epi32(0, 1, 2, 3);
 
         add_f(a: F, b: F) -> F = _mm_add_ps(a, b);
-        sub_f(a: F, b: F) -> F = _mm_sub_ps(a, b);
         mul_f(a: F, b: F) -> F = _mm_mul_ps(a, b);
         min_f(a: F, b: F) -> F = _mm_min_ps(a, b);
         max_f(a: F, b: F) -> F = _mm_max_ps(a, b);
-        flip_f(a: F, b: F) -> F = _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0)));
 
         add_i(a: I, b: I) -> I = _mm_add_epi32(a, b);
         sub_i(a: I, b: I) -> I = _mm_sub_epi32(a, b);
