@@ -5,6 +5,7 @@ mod figures;
 mod page;
 mod picture;
 mod plot;
+mod readme;
 
 use std::process::ExitCode;
 

@@ -1,27 +1,13 @@
-//! The README's speed table, written from results.
-
-use std::path::Path;
+//! The README's speed table, from results.
 
 use super::harness::{Record, Results};
 
-const BEGIN: &str = "<!-- speed table: cargo xtask bench frame --readme -->";
-const END: &str = "<!-- end of the speed table -->";
-
-/// Replaces the table between the two marks of the README at `path`.
+/// The table.
 ///
 /// # Errors
 ///
-/// If the file or its marks are missing, or no frames were timed.
-pub fn write(results: &Results, path: &Path) -> Result<(), String> {
-    let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
-    let (head, rest) = text.split_once(BEGIN).ok_or(format!("{name}: no `{BEGIN}`"))?;
-    let (_, tail) = rest.split_once(END).ok_or(format!("{name}: no `{END}`"))?;
-    let text = format!("{head}{BEGIN}\n{}{END}{tail}", table(results)?);
-    std::fs::write(path, text).map_err(|error| format!("{name}: {error}"))
-}
-
-fn table(results: &Results) -> Result<String, String> {
+/// If no frames were timed.
+pub fn table(results: &Results) -> Result<String, String> {
     // Those with an abscissa are points of a plot.
     let in_table = |record: &&Record| record.part == "frame" && record.x.is_none();
     let frames: Vec<&Record> = results.records.iter().filter(in_table).collect();

@@ -1,7 +1,6 @@
 //! Results as a table, as JSON and as a page.
 
 use std::fs;
-use std::path::Path;
 
 use super::harness::Results;
 use super::options::Options;
@@ -29,8 +28,7 @@ pub fn write(results: &Results, parts: &[&'static str], options: &Options) -> Re
     fs::write(&path, page::html(results, parts)).map_err(|e| format!("{}: {e}", path.display()))?;
     println!("written: {}", path.display());
     if options.readme {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
-        readme::write(results, &root)?;
+        crate::readme::replace("speed", &readme::table(results)?)?;
         println!("written: the speed table of README.md");
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! How far every method is from the truth, in numbers.
 
+use glam::Vec3;
 use maud::html;
 use renderer::method::Method;
 use renderer::scene::SceneLight;
@@ -42,6 +43,15 @@ pub fn tables(effort: &Effort) -> Section {
             };
         }
     }
+    let scene = built_in("torus");
+    let mut stage = Stage::new(&scene, effort.size);
+    body = html! {
+        (body)
+        h3 { "torus, rectangle light of 1 m by 1 m" }
+        p { "A rectangle is a few linear lights side by side; samples are these lines here, each "
+            "seen from two maps." }
+        (table(&HEAD, &rows(&mut stage, &rectangle(), effort)))
+    };
     Section { id: "errors", title: "Errors of every method".to_owned(), body, pictures }
 }
 
@@ -63,8 +73,21 @@ fn rows(stage: &mut Stage<'_>, light: &SceneLight, effort: &Effort) -> Vec<Vec<S
     ways.iter().map(row).collect()
 }
 
+/// Around the centre of the torus's sphere light.
+fn rectangle() -> SceneLight {
+    let corner = Vec3::new(1.0, 6.0, 1.0);
+    let light = Light::Rectangle { corner, edge_u: Vec3::X, edge_v: Vec3::Z };
+    let name = "rectangle".to_owned();
+    SceneLight { name, light, color: Vec3::ONE, intensity: 1.0, spot: None }
+}
+
 /// What is compared on a light of this kind.
 fn ways(light: &Light) -> Vec<Way> {
+    if let Light::Rectangle { .. } = light {
+        let lines = [2, 4, 8, 16].map(|k| Way::new(Method::Intervals).samples(k).map_size(1024));
+        let rays = [4, 16, 64, 256].map(|rays| Way::new(Method::RayTraced).samples(rays));
+        return lines.into_iter().chain(rays).collect();
+    }
     let mut ways = vec![
         Way::new(Method::Hard).map_size(1024),
         Way::new(Method::PointSamples).samples(4),

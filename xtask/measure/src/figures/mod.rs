@@ -8,6 +8,7 @@ mod line;
 mod paper2000;
 mod paper2000_skins;
 mod paper2002;
+mod readme;
 mod samples;
 mod scenes;
 mod stage;
@@ -67,6 +68,15 @@ pub fn run(arguments: &[String]) -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if options.readme {
+        return match crate::readme::replace("error", &readme::table(&options.effort)) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(message) => {
+                eprintln!("figures: {message}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     match draw(&options) {
         Ok(place) => {
             println!("{}", place.display());
@@ -143,6 +153,8 @@ struct Options {
     parts: Vec<String>,
     effort: Effort,
     folder: PathBuf,
+    /// Whether to write the README's table of errors instead of the page.
+    readme: bool,
 }
 
 impl Options {
@@ -151,11 +163,13 @@ impl Options {
             parts: Vec::new(),
             effort: Effort { size: 512, repeats: 3, quick: false },
             folder: PathBuf::from("target/figures"),
+            readme: false,
         };
         let mut rest = arguments.iter();
         while let Some(argument) = rest.next() {
             match argument.as_str() {
                 "--quick" => options.effort = Effort { size: 256, repeats: 1, quick: true },
+                "--readme" => options.readme = true,
                 "--out" => {
                     let folder = rest.next().ok_or("figures: --out needs a folder")?;
                     options.folder = PathBuf::from(folder);
@@ -182,7 +196,8 @@ and every picture as a PNG file.
 Parts: {}
 
   --quick      smaller pictures and fewer points, under 40 s
-  --out DIR    where they go (target/figures)",
+  --out DIR    where they go (target/figures)
+  --readme     no page, but the README's table of errors",
         names.join(", ")
     )
 }
