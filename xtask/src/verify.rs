@@ -10,14 +10,15 @@ use crate::run::{Report, cargo_command, in_ci, root};
 use crate::targets::{AARCH64, I686, THUMB, Target, Toolchain, WASMS};
 
 const HELP: &str = "\
-cargo xtask verify [--here] [--bless]
+cargo xtask verify [--here | --only TARGET] [--bless]
 
 Draws the built-in scenes by every method and compares hashes of maps, visibility and pictures: at
 every SIMD level of this machine with one thread and with all, on AArch64 (NEON), 32-bit x86 and
 WebAssembly (without and with SIMD), and of a tiny render on an emulated microcontroller.
 
-  --here     this machine only
-  --bless    write this machine's hashes to tests/verify/golden.tsv";
+  --here           this machine only
+  --only TARGET    this machine and one of aarch64, i686, wasm32, thumbv7em
+  --bless          write this machine's hashes to tests/verify/golden.tsv";
 
 /// So much of an error is shown.
 const LINES: usize = 12;
@@ -27,18 +28,23 @@ type Column = BTreeMap<String, String>;
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
-    let (mut here, mut bless) = (false, false);
-    for argument in arguments {
-        match argument.as_str() {
-            "--here" => here = true,
-            "--bless" => bless = true,
+    let (mut only, mut bless) = (None, false);
+    let mut rest = arguments.iter();
+    while let Some(argument) = rest.next() {
+        match (argument.as_str(), rest.as_slice().first()) {
+            ("--here", _) => only = Some(""),
+            ("--bless", _) => bless = true,
+            ("--only", Some(name)) => {
+                only = Some(name.as_str());
+                rest.next();
+            }
             _ => {
                 println!("{HELP}");
                 return ExitCode::from(2);
             }
         }
     }
-    match verify(here, bless) {
+    match verify(only, bless) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             println!("verify: FAILED: {why}");
@@ -50,7 +56,7 @@ pub fn run(arguments: &[String]) -> ExitCode {
 /// All targets, as a step.
 pub fn check(report: &mut Report) {
     let start = Instant::now();
-    let result = verify(false, false);
+    let result = verify(None, false);
     if let Err(why) = &result {
         println!("    {why}");
     }
@@ -58,7 +64,8 @@ pub fn check(report: &mut Report) {
     report.outcome("verify", result.is_ok());
 }
 
-fn verify(here: bool, bless: bool) -> Result<(), String> {
+/// Compares all targets, or this machine and the one named `only`.
+fn verify(only: Option<&str>, bless: bool) -> Result<(), String> {
     println!("==> verify");
     let native = output(cargo_command("run --quiet --release -p verify"))?;
     let mut columns = columns_of("", &native);
@@ -71,8 +78,8 @@ fn verify(here: bool, bless: bool) -> Result<(), String> {
         ("wasm32", &WASMS[1], module),
         ("thumbv7em", &THUMB, microcontroller),
     ] {
-        if here {
-            break;
+        if only.is_some_and(|only| only != name) {
+            continue;
         }
         println!("==> {}", target.name);
         let start = Instant::now();
