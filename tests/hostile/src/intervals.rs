@@ -8,11 +8,11 @@ use crate::skins;
 
 pub fn check(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let (samples, size) = (2 + bytes.up_to(2) as usize, bytes.size(40));
+    let (samples, size) = (2 + bytes.up_to(2) as usize, bytes.size(28));
     let light = skins::light(bytes, samples, size);
     let maps: Vec<Vec<Map>> =
         (light.frusta().iter()).map(|_| (0..samples).map(|_| bytes.map(size)).collect()).collect();
-    let size = bytes.size(40);
+    let size = bytes.size(20);
     let (view, map) = (bytes.view(size), bytes.map(size));
     let table: Vec<Surface> = (0..4).map(|id| Surface { normal: bytes.normal(), id }).collect();
     let surfaces = if bytes.flag() { Surfaces::FromDepth } else { Surfaces::Table(&table) };

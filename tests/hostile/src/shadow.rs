@@ -10,7 +10,7 @@ use crate::any::{Bytes, Map, assert_same, assert_unit};
 
 pub fn check(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let (sound, size) = (bytes.flag(), bytes.size(40));
+    let (sound, size) = (bytes.flag(), bytes.size(20));
     let camera_view = bytes.view_that(sound, size);
     let camera_map = bytes.map_that(sound, size);
     let normals: Vec<Vec3>;
@@ -30,7 +30,7 @@ pub fn check(bytes: &[u8]) {
     };
     let camera = Camera::new(&camera_view, camera_map.as_depth_map(), surfaces);
     let camera = camera.expect("one size");
-    let size = bytes.size(48);
+    let size = bytes.size(36);
     let light_view = bytes.view_that(sound, size);
     let light_map = bytes.map_that(sound, size);
     let pack = |(&nearness, &id)| PackedMap::pack(nearness, light_view.max_nearness(), id);
