@@ -38,16 +38,6 @@ impl Bounds {
     /// Bounds of nothing.
     const NONE: Bounds = Bounds { slope: [0.0; 2], low: f32::INFINITY, high: f32::NEG_INFINITY };
 
-    /// A range above a plane, with room for rounding. `half` is the size of what it bounds.
-    #[inline(always)]
-    fn new(slope: [f32; 2], [low, high]: [f32; 2], half: [f32; 2]) -> Bounds {
-        let steep = slope[0].abs() * half[0] + slope[1].abs() * half[1];
-        // Infinities stay what they are. Adding 0 last makes every zero positive, whichever came
-        // first.
-        let room = |bound: f32| if bound.is_finite() { ROOM * (bound.abs() + steep) } else { 0.0 };
-        Bounds { slope, low: (low - room(low)) + 0.0, high: (high + room(high)) + 0.0 }
-    }
-
     #[inline(always)]
     fn store(self, group: &mut NodeGroup, lane: usize) {
         [group.slope_x[lane], group.slope_y[lane]] = self.slope;
@@ -83,6 +73,9 @@ pub(crate) fn build(
             }
         }
         for x in xs.clone() {
+            make_room(&mut nodes[first + x as usize], 0);
+        }
+        for x in xs.clone() {
             if let Some(group) = ids.get_mut(first + x as usize) {
                 id_leaves(&map, group, x, y);
             }
@@ -104,6 +97,7 @@ pub(crate) fn build(
                     };
                     bounds.store(&mut upper[index], lane as usize);
                 }
+                make_room(&mut upper[index], level);
                 if !ids.is_empty() {
                     let (lower, upper) = ids.split_at_mut(first);
                     upper[index] = IdGroup::default();
@@ -121,7 +115,23 @@ pub(crate) fn build(
     }
 }
 
-/// The four leaves of a row of a group.
+/// Widens the bounds of 16 nodes of `level` by room for rounding.
+#[inline(always)]
+fn make_room(group: &mut NodeGroup, level: usize) {
+    let half = Layout::node_size(level).map(|size| (size as f32 - 1.0) * 0.5);
+    for i in 0..LANES {
+        let steep = group.slope_x[i].abs() * half[0] + group.slope_y[i].abs() * half[1];
+        let (low, high) = (group.low[i], group.high[i]);
+        // Infinities stay what they are. Adding 0 last makes every zero positive, whichever came
+        // first.
+        let room = [low, high].map(|bound| ROOM * (bound.abs() + steep));
+        let low = if low.is_finite() { low - room[0] } else { low };
+        let high = if high.is_finite() { high + room[1] } else { high };
+        (group.low[i], group.high[i]) = (low + 0.0, high + 0.0);
+    }
+}
+
+/// The four leaves of a row of a group, without room for rounding.
 #[inline(always)]
 fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32, row: usize) {
     for lane in row * FAN as usize..(row + 1) * FAN as usize {
@@ -141,7 +151,7 @@ fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32, 
             (slope, ranges(map, left, top, columns, rows, slope))
         };
         let low = if ranges.nan { f32::NEG_INFINITY } else { ranges.low };
-        Bounds::new(slope, [low, ranges.high], FIRST.map(f32::abs)).store(group, lane);
+        Bounds { slope, low, high: ranges.high }.store(group, lane);
     }
 }
 
@@ -204,7 +214,7 @@ impl Ranges {
     }
 }
 
-/// The bounds of a node of `level`, from its children.
+/// The bounds of a node of `level`, from its children, without room for rounding.
 #[inline(always)]
 fn parent(children: &NodeGroup, level: usize) -> Bounds {
     let [width, height] = Layout::node_size(level - 1).map(|size| size as f32);
@@ -224,12 +234,9 @@ fn parent(children: &NodeGroup, level: usize) -> Bounds {
     };
     let slope = [children.slope_x[0], children.slope_y[0]];
     let (flat, planar) = (range([0.0; 2]), range(slope));
-    let half = [half[0] + 1.5 * width, half[1] + 1.5 * height];
-    if planar[1] - planar[0] < flat[1] - flat[0] {
-        Bounds::new(slope, planar, half)
-    } else {
-        Bounds::new([0.0; 2], flat, half)
-    }
+    let (slope, [low, high]) =
+        if planar[1] - planar[0] < flat[1] - flat[0] { (slope, planar) } else { ([0.0; 2], flat) };
+    Bounds { slope, low, high }
 }
 
 /// All lanes combined by a commutative and associative operation.
