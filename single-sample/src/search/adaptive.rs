@@ -22,7 +22,9 @@ pub(crate) struct Samples {
     known: [bool; COUNT],
     /// Which values come from a search.
     pub searched: [bool; COUNT],
-    open: [Group; COUNT],
+    /// Groups to be looked at, and those they are split into.
+    open: [[Group; COUNT]; 2],
+    side: usize,
     open_len: usize,
 }
 
@@ -63,7 +65,8 @@ impl Samples {
             wanted_len: 0,
             known: [false; COUNT],
             searched: [false; COUNT],
-            open: [Group { first: 0, last: 0, step: 0 }; COUNT],
+            open: [[Group { first: 0, last: 0, step: 0 }; COUNT]; 2],
+            side: 0,
             open_len: 0,
         }
     }
@@ -104,9 +107,10 @@ impl Samples {
         if count == 0 {
             return false;
         }
-        let groups = self.open;
-        self.open_len = 0;
-        for &Group { first, last, step } in &groups[..count] {
+        let side = self.side;
+        (self.side, self.open_len) = (1 - side, 0);
+        for i in 0..count {
+            let Group { first, last, step } = self.open[side][i];
             let (first, last, step) = (usize::from(first), usize::from(last), usize::from(step));
             let length = (last - first) / step;
             if length <= 1 {
@@ -146,7 +150,8 @@ impl Samples {
     }
 
     fn open(&mut self, first: usize, last: usize, step: usize) {
-        self.open[self.open_len] = Group { first: first as u8, last: last as u8, step: step as u8 };
+        self.open[self.side][self.open_len] =
+            Group { first: first as u8, last: last as u8, step: step as u8 };
         self.open_len += 1;
     }
 

@@ -3,7 +3,6 @@
 use shadowmap_core::View;
 
 use super::receiver::Receiver;
-use super::segments::is_within;
 use crate::LightMap;
 
 /// Columns of texels that are tested at a time.
@@ -132,29 +131,5 @@ impl<'a, T: Texel> Field<'a, T> {
             start += self.width as usize;
         }
         Block { first, rows }
-    }
-
-    /// Which of the four texels with their centres around (u, v) block the receiver, as an index
-    /// of [`super::segments::PIECES`].
-    #[inline(always)]
-    pub fn corner(&self, receiver: &Receiver, x: i32, y: i32) -> usize {
-        let blocks = |x: i32, y: i32| {
-            let nearness = self.nearness(x, y);
-            usize::from(receiver.is_blocked_by(x as f32 + 0.5, y as f32 + 0.5, nearness))
-        };
-        blocks(x, y) | blocks(x + 1, y) << 1 | blocks(x + 1, y + 1) << 2 | blocks(x, y + 1) << 3
-    }
-
-    /// Whether the middle of the disc is hidden: the receiver's place lies within the outline.
-    #[inline(always)]
-    pub fn hides_center(&self, receiver: &Receiver) -> bool {
-        let (x, y) = (receiver.u - 0.5, receiver.v - 0.5);
-        let floor = |value: f32| {
-            let cut = value as i32;
-            if cut as f32 > value { cut - 1 } else { cut }
-        };
-        let (column, row) = (floor(x), floor(y));
-        let code = self.corner(receiver, column, row);
-        is_within(code, x - column as f32, y - row as f32)
     }
 }

@@ -1,22 +1,28 @@
 //! What the outline hides of the light's disc.
 //!
-//! Seen from the receiver, the light is a disc of radius 1. Along the direction `phi` from its
-//! centre, let the outline be crossed at the distances rho. What lies between two crossings has the
-//! area `(rho_1² - rho_0²) / 2` per angle. Summed over all directions, each piece of the outline
-//! contributes, whatever the others do,
+//! Seen from the receiver, the light is a disc of radius 1, and the outline a closed polygon around
+//! what is blocked. Along the direction `phi` from the disc's centre, let the outline be crossed at
+//! the distances rho. What lies between two crossings has the area `(rho_1² - rho_0²) / 2` per
+//! angle. Summed over all directions, each segment of the outline contributes, whatever the others
+//! do,
 //!
 //! ```text
-//!     integral of (1 - rho²) / 2 over the angle that the piece spans, where rho < 1
+//!     integral of (1 - rho²) / 2 over the angle that its part within the disc spans
 //! ```
 //!
 //! with the sign of the step (towards a blocker as rho grows: plus), and the whole disc is added
-//! if its centre is blocked. For a straight piece the integral of rho² is the cross product of its
-//! ends, so a piece within the disc contributes `(angle - cross) / 2`. One straight edge across
-//! the whole disc gives the circular segment, the falloff of [`crate::disc::disc_fraction`].
+//! if its centre is blocked. For a straight segment the integral of rho² is the cross product of its
+//! ends, so it contributes `(angle - cross) / 2`. One straight edge across the whole disc gives the
+//! circular segment, the falloff of [`crate::disc::disc_fraction`].
 
-use super::receiver::Receiver;
-use super::segments::{LANES, Segments};
+use core::ops::Range;
+
+use super::cell::CELL;
+use super::field::{Field, Texel};
+use super::receiver::{Receiver, Seen};
+use super::segments::{LANES, Segment, Segments};
 use crate::disc::angle;
+use crate::math::sqrt;
 
 /// Numbers in \[8, 16) have a unit of 2^-20 in the last place. Contributions are rounded to it by
 /// adding this, and summed as integers: the sum is the same in any order.
@@ -25,45 +31,113 @@ const ROUND: f32 = 12.0;
 /// Twice pi, in that unit.
 const TURN: f32 = core::f32::consts::TAU * 1_048_576.0;
 
-/// What one piece of the outline contributes to twice the blocked area, with the middle (x, y).
+/// Twice the area of the triangle between the receiver and a segment, in texels: negative if the
+/// receiver is on the side of the blockers.
 #[inline(always)]
-pub(crate) fn contribution(
-    r: &Receiver,
-    x: f32,
-    y: f32,
-    half_x: f32,
-    half_y: f32,
-    nearness: f32,
-) -> i32 {
-    let (x, y) = (x - r.u, y - r.v);
-    let cross = r.area * (x * half_y - y * half_x);
-    let middle = (r.qxx * (x * x) + r.qxy * (x * y)) + r.qyy * (y * y);
-    let half = (r.qxx * (half_x * half_x) + r.qxy * (half_x * half_y)) + r.qyy * (half_y * half_y);
-    let size = cross.abs();
-    let w = nearness - r.nearness;
-    let within = angle(size, middle - half) - size / (w * w);
+fn side([u, v]: [f32; 2], segment: &Segment) -> f32 {
+    let Segment { from, to } = segment;
+    (from.x - u) * (to.y - v) - (to.x - u) * (from.y - v)
+}
+
+/// What one segment contributes to twice the blocked area.
+#[inline(always)]
+pub(crate) fn contribution(r: &Seen, segment: &Segment) -> i32 {
+    let Segment { from, to } = segment;
+    let side = side([r.u, r.v], segment);
+    // A blocker about as far from the light as the receiver is far outside of the disc.
+    let nearer = |nearness: f32| {
+        let nearer = nearness - r.nearness;
+        if nearer > r.least { nearer } else { r.least }
+    };
+    let (a, b) = (nearer(from.nearness), nearer(to.nearness));
+    let product = 1.0 / (a * b);
+    let (a, b) = (b * product, a * product);
+    let (x, y) = (from.x - r.u, from.y - r.v);
+    let (ax, ay) = ((r.xx * x + r.xy * y) * a, (r.yy * y) * a);
+    let (x, y) = (to.x - r.u, to.y - r.v);
+    let (bx, by) = ((r.xx * x + r.xy * y) * b, (r.yy * y) * b);
+    let cross = (side.abs() * r.area) * product;
+    // The part from s to t of the way lies within the disc.
+    let (dx, dy) = (bx - ax, by - ay);
+    let length = dx * dx + dy * dy;
+    let along = ax * dx + ay * dy;
+    let root = length - cross * cross;
+    let half = sqrt(if root > 0.0 { root } else { 0.0 });
+    let inverse = 1.0 / length;
+    let (s, t) = ((-along - half) * inverse, (half - along) * inverse);
+    let s = if s > 0.0 { s } else { 0.0 };
+    let t = if t < 1.0 { t } else { 1.0 };
+    let (px, py) = (ax + s * dx, ay + s * dy);
+    let (qx, qy) = (ax + t * dx, ay + t * dy);
+    let cross = cross * (t - s);
+    let within = angle(cross, px * qx + py * qy) - cross;
     // False for NaN.
-    let counts = (w > 0.0) & (within > 0.0);
+    let counts = (root > 0.0) & (t > s) & (within > 0.0);
     let part = if counts { within } else { 0.0 };
-    let signed = if cross < 0.0 { -part } else { part };
+    let signed = if side < 0.0 { -part } else { part };
     (signed + ROUND).to_bits().wrapping_sub(ROUND.to_bits()) as i32
 }
 
-/// The sum over all pieces.
+/// The sum over whole groups of segments, for one receiver. If they are `bounded`, those out of reach
+/// are passed over.
 #[inline(always)]
-pub(crate) fn sum(r: &Receiver, segments: &Segments) -> i32 {
-    let groups = segments.len.div_ceil(LANES);
-    let [x, y, half_x, half_y, nearness] = segments.groups(groups);
+pub(crate) fn sum(
+    receiver: &Seen,
+    segments: &Segments,
+    groups: Range<usize>,
+    bounded: bool,
+) -> i32 {
     let mut sums = [0_i32; LANES];
-    for group in 0..groups {
-        let (x, y, nearness) = (&x[group], &y[group], &nearness[group]);
-        let (half_x, half_y) = (&half_x[group], &half_y[group]);
+    for group in groups {
+        if bounded && !segments.bounds(group).are_in_reach(receiver) {
+            continue;
+        }
+        let group = segments.group(group);
         for i in 0..LANES {
-            let part = contribution(r, x[i], y[i], half_x[i], half_y[i], nearness[i]);
-            sums[i] = sums[i].wrapping_add(part);
+            sums[i] = sums[i].wrapping_add(contribution(receiver, &group.get(i)));
         }
     }
     sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
+}
+
+/// The first texel of the cell that a receiver lies in.
+#[inline(always)]
+pub(crate) fn cell_of(u: f32, v: f32) -> [i32; 2] {
+    let cell = CELL as f32;
+    [u, v].map(|at| {
+        let at = (at - 0.5) / cell;
+        // Casts saturate.
+        let cut = at as i32;
+        (if cut as f32 > at { cut.saturating_sub(1) } else { cut }).saturating_mul(CELL as i32)
+    })
+}
+
+/// Whether the middle of the disc is hidden: the receiver's place lies within the outline.
+/// `cell` are the segments of the receiver's cell.
+///
+/// The texel at a cell's corner is never on the wrong side of its outline; each segment on the way
+/// there changes sides.
+#[inline(always)]
+pub(crate) fn hides_center<T: Texel>(
+    field: &Field<'_, T>,
+    receiver: &Receiver,
+    segments: &Segments,
+    cell: Range<usize>,
+) -> bool {
+    let Receiver { u, v, .. } = *receiver;
+    let [x, y] = cell_of(u, v);
+    let corner = [x as f32 + 0.5, y as f32 + 0.5];
+    let mut hidden = receiver.is_blocked_by(corner[0], corner[1], field.nearness(x, y));
+    for segment in cell {
+        let segment = segments.get(segment);
+        let Segment { from, to } = &segment;
+        let left = |x: f32, y: f32| (corner[0] - u) * (y - v) - (x - u) * (corner[1] - v) < 0.0;
+        let is_between = left(from.x, from.y) != left(to.x, to.y);
+        // As in `contribution`, for both to agree on what lies within.
+        let differs = (side([u, v], &segment) < 0.0) != (side(corner, &segment) < 0.0);
+        hidden ^= is_between & differs;
+    }
+    hidden
 }
 
 /// The blocked fraction of the disc, in \[0, 1\].

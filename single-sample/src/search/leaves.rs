@@ -2,11 +2,12 @@
 
 use simd_search::{NodeGroup, Pyramid};
 
+use super::cell::{CELL, SAME_LAYER};
 use super::geometry::Geometry;
 use super::kernels::{Ops, Work};
 use super::outline::Places;
+use super::planes::Plane;
 use super::reach::Extent;
-use super::receiver::Receiver;
 
 const WIDTH: i32 = Pyramid::LEAF[0] as i32;
 const HEIGHT: i32 = Pyramid::LEAF[1] as i32;
@@ -31,13 +32,18 @@ const CELLS: [[f32; LANES]; 2] = {
     cells
 };
 
-/// Room for rounding, relative to nearness; well below the tolerance of a texel's own test.
-pub(crate) const ROOM: f32 = 1.0 / 65536.0;
+/// Room for rounding, in texels.
+const ROOM: f32 = 0.5;
+
+/// How far segments may run before the leaves that all of their blockers are in. Those lie along the
+/// far sides of a cell, and segments that cut its corner are no longer than half of a side each way,
+/// or else stray too far from a straight connection.
+const BEFORE: f32 = CELL as f32 * 0.5;
 
 /// What receivers ask of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeafTest {
-    /// Where they are, with room for the outline, which runs half a place away from texels.
+    /// Where they are, with room for rounding.
     u: [f32; 2],
     v: [f32; 2],
     /// Their least nearness, and the square of their disc's greatest radius per nearness above it.
@@ -46,33 +52,46 @@ pub(crate) struct LeafTest {
     /// A plane below all of theirs: nearness at texel coordinates (0, 0), and slopes.
     plane: f32,
     slope: [f32; 2],
+    /// A plane above all of theirs, with the same slopes, and their greatest nearness.
+    above: f32,
+    most: f32,
+    /// The size of the map.
+    size: [f32; 2],
 }
 
 impl LeafTest {
-    /// The planes of all receivers lie, wherever they look, at least `least` above that of
-    /// `plane`. If that is not finite, or the plane not seen from above, it counts for nothing.
+    /// For receivers in `extent`, whose planes lie between two of the same slope wherever they look,
+    /// in a map of that size. If the planes are not finite, they count for nothing.
     #[inline(always)]
-    pub fn new(g: &Geometry, extent: &Extent, plane: &Receiver, least: f32) -> LeafTest {
+    pub fn new(
+        g: &Geometry,
+        extent: &Extent,
+        [low, high]: &[Plane; 2],
+        size: [i32; 2],
+    ) -> LeafTest {
         let spread = g.spread[0].max(g.spread[1]) * g.greatest_stretch(extent);
-        let slope = [-plane.hu / plane.hn, -plane.hv / plane.hn];
-        let origin = (plane.nearness + least) - (slope[0] * plane.u + slope[1] * plane.v);
-        let is_usable = plane.hn > 0.0 && (slope[0].abs() + slope[1].abs()) + origin.abs() < 1e9;
+        let Plane { origin, slope } = *low;
+        let all = (slope[0].abs() + slope[1].abs()) + (origin.abs() + high.origin.abs());
+        let is_usable = all < 1e9;
         LeafTest {
-            u: [extent.u[0] - 1.5, extent.u[1] + 1.5],
-            v: [extent.v[0] - 1.5, extent.v[1] + 1.5],
+            u: [extent.u[0] - ROOM, extent.u[1] + ROOM],
+            v: [extent.v[0] - ROOM, extent.v[1] + ROOM],
             nearness: extent.nearness[0],
             spread_squared: spread * spread,
             plane: if is_usable { origin } else { f32::NEG_INFINITY },
             slope: if is_usable { slope } else { [0.0; 2] },
+            above: if is_usable { high.origin } else { f32::INFINITY },
+            most: extent.nearness[1],
+            size: [size[0] as f32, size[1] as f32],
         }
     }
 
-    /// Which leaves of a group may hold blockers: of leaf i, bit i. `first` is the centre of the
-    /// group's first texel.
+    /// Which leaves of a group may hold blockers, and in which all texels block all receivers: of
+    /// leaf i, bit i. `first` is the centre of the group's first texel.
     #[inline(always)]
-    fn may_block(&self, first: [f32; 2], nodes: &NodeGroup) -> u32 {
+    fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 2] {
         let (last, half) = ([15.0, 7.0], [7.5, 3.5]);
-        let mut found = 0;
+        let (mut found, mut covered) = (0, 0);
         for i in 0..LANES {
             let (x, y) = (first[0] + CELLS[0][i], first[1] + CELLS[1][i]);
             let apart = |start: f32, last: f32, [from, to]: [f32; 2]| {
@@ -80,10 +99,15 @@ impl LeafTest {
                 let apart = if before > after { before } else { after };
                 if apart > 0.0 { apart } else { 0.0 }
             };
-            let (dx, dy) = (apart(x, last[0], self.u), apart(y, last[1], self.v));
+            let (dx, dy) = (
+                apart(x - BEFORE, last[0] + (BEFORE + 1.0), self.u),
+                apart(y - BEFORE, last[1] + (BEFORE + 1.0), self.v),
+            );
             let (slope_x, slope_y) = (nodes.slope_x[i], nodes.slope_y[i]);
             let steep = slope_x.abs() * half[0] + slope_y.abs() * half[1];
-            let nearer = (nodes.high[i] + steep) - self.nearness;
+            // A segment between this leaf's blocker and one of the next.
+            let high = nodes.high[i] + steep;
+            let nearer = (high + high.abs() * SAME_LAYER) - self.nearness;
             let is_near =
                 (nearer > 0.0) & (dx * dx + dy * dy <= self.spread_squared * (nearer * nearer));
             let at_center =
@@ -92,8 +116,12 @@ impl LeafTest {
                 + (slope_y - self.slope[1]).abs() * half[1];
             let is_above = nodes.high[i] + spread > at_center;
             found |= u32::from(is_near & is_above) << i;
+            let is_inside = (x + last[0] < self.size[0]) & (y + last[1] < self.size[1]);
+            let is_surely_above = nodes.low[i] - spread > at_center + (self.above - self.plane);
+            let is_surely_nearer = nodes.low[i] - steep > self.most;
+            covered |= u32::from(is_inside & is_surely_above & is_surely_nearer) << i;
         }
-        found
+        [found, covered]
     }
 }
 
@@ -117,12 +145,14 @@ pub(crate) struct Leaves {
     first: [i32; 2],
     /// Bit x of row y: whether places of that leaf may hold an outline.
     rows: [u64; SIDE],
+    /// The same for leaves that surely hold nothing but blockers.
+    covered: [u64; SIDE],
     count: usize,
 }
 
 impl Leaves {
     pub const fn new() -> Leaves {
-        Leaves { first: [0; 2], rows: [0; SIDE], count: 0 }
+        Leaves { first: [0; 2], rows: [0; SIDE], covered: [0; SIDE], count: 0 }
     }
 
     /// Finds the leaves of `places`, no more than [`MOST_PLACES`]; false if there are none.
@@ -137,7 +167,7 @@ impl Leaves {
         self.count = 0;
         let mut any = 0;
         for y in rows {
-            let mut found = [0_u64; GROUP as usize];
+            let (mut found, mut covered) = ([0_u64; GROUP as usize], [0_u64; GROUP as usize]);
             for x in columns.clone() {
                 let Some(nodes) =
                     (x >= 0 && y >= 0).then(|| pyramid.leaves(x as u32, y as u32)).flatten()
@@ -145,23 +175,28 @@ impl Leaves {
                     continue;
                 };
                 let first = [x * GROUP * WIDTH, y * GROUP * HEIGHT].map(|at| at as f32 + 0.5);
-                let leaves = u64::from(test.may_block(first, nodes));
+                let leaves = test.judge(first, nodes);
                 let shift = x * GROUP - self.first[0];
-                for (row, found) in found.iter_mut().enumerate() {
-                    *found |= (leaves >> (row as i32 * GROUP) & 0xf) << shift;
+                for row in 0..GROUP as usize {
+                    let part =
+                        |leaves: u32| u64::from(leaves >> (row as i32 * GROUP) & 0xf) << shift;
+                    found[row] |= part(leaves[0]);
+                    covered[row] |= part(leaves[1]);
                 }
             }
-            for found in found {
+            for (found, covered) in found.into_iter().zip(covered) {
                 any |= found;
                 self.rows[self.count] = found;
+                self.covered[self.count] = covered;
                 self.count += 1;
             }
         }
         // Places of a leaf touch the texels of three others.
         for y in 0..self.count {
-            let below = if y + 1 < self.count { self.rows[y + 1] } else { 0 };
-            let both = self.rows[y] | below;
-            self.rows[y] = both | both >> 1;
+            let is_last = y + 1 == self.count;
+            let below = if is_last { [0; 2] } else { [self.rows[y + 1], self.covered[y + 1]] };
+            let (any, all) = (self.rows[y] | below[0], self.covered[y] & below[1]);
+            self.rows[y] = (any | any >> 1) & !(all & all >> 1);
         }
         any != 0
     }

@@ -31,8 +31,10 @@
 #![allow(clippy::needless_range_loop)]
 
 mod adaptive;
+mod cell;
 mod field;
 mod geometry;
+mod groups;
 mod integral;
 mod kernels;
 mod leaves;
@@ -40,14 +42,16 @@ mod naive;
 mod outline;
 mod outlines;
 mod planar;
+mod planes;
 mod reach;
 mod receiver;
 mod segments;
 mod soa;
+mod squares;
 #[cfg(test)]
 mod tests;
 mod tile;
-mod verdict;
+mod tile_search;
 
 use shadowmap_core::{BandSlice, Bias, Camera, Level, Light, Threads, for_each_band};
 use simd_search::Pyramid;

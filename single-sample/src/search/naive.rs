@@ -5,11 +5,12 @@
 use glam::Vec3;
 use shadowmap_core::{Camera, Surface, Surfaces};
 
+use super::cell::{CELL, CellBits, outline};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
-use super::integral::{blocked_fraction, contribution};
-use super::receiver::{Receiver, plane, receiver};
-use super::segments::PIECES;
+use super::integral::{blocked_fraction, cell_of, contribution, hides_center};
+use super::receiver::{Receiver, Seen, plane, receiver};
+use super::segments::Segments;
 
 /// The visibility at pixel (x, y).
 pub(crate) fn visibility<T: Texel>(
@@ -35,28 +36,37 @@ pub(crate) fn visibility<T: Texel>(
     if receiver.sky <= 0.0 {
         return 0.0;
     }
+    let seen = Seen::of(geometry, &receiver);
+    let own_cell = cell_of(receiver.u, receiver.v);
     let mut sum = 0_i32;
-    for row in -1..field.height {
-        for column in -1..field.width {
-            sum = sum.wrapping_add(place(field, &receiver, column, row));
+    let mut is_hidden = false;
+    let mut segments = Segments::new();
+    for row in (-(CELL as i32)..field.height).step_by(CELL) {
+        for column in (-(CELL as i32)..field.width).step_by(CELL) {
+            let cell = [column, row];
+            segments.clear();
+            outline(field, cell, &bits(field, &receiver, cell), &mut segments);
+            for i in 0..segments.len() {
+                sum = sum.wrapping_add(contribution(&seen, &segments.get(i)));
+            }
+            if cell == own_cell {
+                is_hidden = hides_center(field, &receiver, &segments, 0..segments.len());
+            }
         }
     }
-    let visible = receiver.sky - blocked_fraction(field.hides_center(&receiver), sum);
+    let visible = receiver.sky - blocked_fraction(is_hidden, sum);
     if visible > 0.0 { visible } else { 0.0 }
 }
 
-/// What the outline between four texels contributes.
-fn place<T: Texel>(field: &Field<'_, T>, receiver: &Receiver, column: i32, row: i32) -> i32 {
-    let (pieces, count) = &PIECES[field.corner(receiver, column, row)];
-    let mut sum = 0_i32;
-    for piece in &pieces[..*count] {
-        let [a, b] = piece
-            .blockers
-            .map(|[dx, dy]| field.nearness(column + i32::from(dx), row + i32::from(dy)));
-        let x = (column as f32 + 0.5) + piece.middle[0];
-        let y = (row as f32 + 0.5) + piece.middle[1];
-        let [half_x, half_y] = piece.half;
-        sum = sum.wrapping_add(contribution(receiver, x, y, half_x, half_y, (a + b) * 0.5));
+/// Which texels of a cell block the receiver.
+fn bits<T: Texel>(field: &Field<'_, T>, receiver: &Receiver, [column, row]: [i32; 2]) -> CellBits {
+    let mut bits = [0; CELL + 1];
+    for (y, bits) in (row..).zip(&mut bits) {
+        for (i, x) in (column..).take(CELL + 1).enumerate() {
+            let nearness = field.nearness(x, y);
+            let blocks = receiver.is_blocked_by(x as f32 + 0.5, y as f32 + 0.5, nearness);
+            *bits |= u16::from(blocks) << i;
+        }
     }
-    sum
+    CellBits::new(bits)
 }

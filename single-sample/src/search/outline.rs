@@ -1,8 +1,8 @@
-//! Finding the outline of the blockers in a part of the map.
+//! Which texels block, cell by cell.
 
+use super::cell::{CELL, CellBits};
 use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Test, Texel};
-use super::kernels::Ops;
-use super::segments::{PIECES, Segments};
+use super::kernels::{Bits, Ops, ROWS};
 
 /// A box of places between four texels each: place (x, y) has texel (x, y) at its upper left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,84 +18,97 @@ impl Places {
         let [top, bottom] = [self.rows[0] as f32, self.rows[1] as f32 + 1.0];
         [[left, top], [right, top], [left, bottom], [right, bottom]]
     }
-}
 
-/// How an attempt at an outline ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    /// All of it was found.
-    Complete,
-    /// Some texel blocks some of the receivers and not others.
-    Ambiguous,
-    /// There was no room for all of it.
-    Full,
+    /// Whether they hold a cell, given by its first texel.
+    #[inline(always)]
+    pub fn hold(&self, [x, y]: [i32; 2]) -> bool {
+        let ([left, right], [top, bottom]) = (self.columns, self.rows);
+        (left <= x) & (x < right) & (top <= y) & (y < bottom)
+    }
 }
 
 /// Places in a row that are looked at together.
 pub(crate) const STRIP: i32 = 48;
 
-/// Adds the outline within `places`, no more than [`STRIP`] columns and a block's rows, to
-/// `segments`: that of the texels which pass `test`. If some that do not pass `doubt`, the
-/// attempt ends.
+/// Blocks of texels that a strip touches.
+const BLOCKS: usize = STRIP as usize / BLOCK_COLUMNS + 1;
+
+/// A row of cells, and which of its texels pass each of some tests.
+pub(crate) struct Strip<const TESTS: usize> {
+    first: [i32; 2],
+    cells: usize,
+    passing: [[Bits; TESTS]; BLOCKS],
+}
+
+impl<const TESTS: usize> Strip<TESTS> {
+    /// Tests the texels of `places`: whole cells, no more than [`STRIP`] columns and one row of
+    /// cells.
+    #[inline(always)]
+    pub fn new<T: Texel>(
+        ops: &impl Ops,
+        field: &Field<'_, T>,
+        tests: &[Test; TESTS],
+        places: Places,
+    ) -> Strip<TESTS> {
+        let ([left, right], top) = (places.columns, places.rows[0]);
+        let mut room = [LANE; BLOCK_ROWS];
+        let mut passing = [[Bits::default(); TESTS]; BLOCKS];
+        // Places reach to the texel after them.
+        for (x, passing) in (left..=right).step_by(BLOCK_COLUMNS).zip(&mut passing) {
+            let block = field.block(x, top, &mut room);
+            for (passing, test) in passing.iter_mut().zip(tests) {
+                *passing = ops.blocking(test, &block);
+            }
+        }
+        Strip { first: [left, top], cells: (right - left) as usize / CELL, passing }
+    }
+
+    /// How many cells there are.
+    #[inline(always)]
+    pub fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// The first texel of a cell, and which of its texels pass each test; `None` if all texels pass
+    /// all tests, or none passes any.
+    #[inline(always)]
+    pub fn divided(&self, i: usize) -> Option<([i32; 2], [CellBits; TESTS])> {
+        let mut bits = [Bits::default(); TESTS];
+        let (mut any, mut all) = (0, CELL_TEXELS);
+        for test in 0..TESTS {
+            let [block, next] = [&self.passing[i / 2][test], &self.passing[i / 2 + 1][test]];
+            bits[test] = cell_of_blocks(block, next, i % 2);
+            let found = bits[test].any_and_all();
+            any |= found.0;
+            all &= found.1;
+        }
+        let at = [self.first[0] + (i * CELL) as i32, self.first[1]];
+        (any != 0 && all != CELL_TEXELS).then_some((at, bits))
+    }
+}
+
+/// Texels of a cell along a row.
+pub(crate) const CELL_TEXELS: u16 = (2 << CELL) - 1;
+
+/// The left or the right cell of a block. The right one has its last column from the next block.
 #[inline(always)]
-pub(crate) fn outline<T: Texel>(
+fn cell_of_blocks(block: &Bits, next: &Bits, right: usize) -> CellBits {
+    if right == 0 {
+        block.each(next, |block, _| block & (ROWS * CELL_TEXELS as u64))
+    } else {
+        block.each(next, |block, next| (block >> CELL & (ROWS * 0xff)) | (next & ROWS) << CELL)
+    }
+}
+
+/// Which texels of a cell pass a test.
+#[inline(always)]
+pub(crate) fn cell_bits<T: Texel>(
     ops: &impl Ops,
     field: &Field<'_, T>,
     test: &Test,
-    doubt: Option<&Test>,
-    places: Places,
-    segments: &mut Segments,
-) -> Outcome {
-    let [left, right] = places.columns;
-    let [top, bottom] = places.rows;
-    let (columns, rows) = (right - left, (bottom - top) as usize);
-    // Places reach to the texel after them.
-    let used = u64::MAX >> (63 - columns);
+    [x, y]: [i32; 2],
+) -> CellBits {
     let mut room = [LANE; BLOCK_ROWS];
-    let mut blocking = [0_u64; BLOCK_ROWS];
-    let mut x = 0;
-    while x <= columns {
-        let block = field.block(left + x, top, &mut room);
-        let found = ops.blocking(test, &block);
-        for y in 0..BLOCK_ROWS {
-            blocking[y] |= u64::from(found[y]) << x;
-        }
-        if let Some(doubt) = doubt {
-            let sure = ops.blocking(doubt, &block);
-            for y in 0..=rows {
-                if u64::from(found[y] ^ sure[y]) << x & used != 0 {
-                    return Outcome::Ambiguous;
-                }
-            }
-        }
-        x += BLOCK_COLUMNS as i32;
-    }
-    for y in 0..rows {
-        let (upper, lower) = (blocking[y], blocking[y + 1]);
-        let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
-        let mut places = differs & used >> 1;
-        while places != 0 {
-            let i = places.trailing_zeros();
-            places &= places - 1;
-            let (two, next) = (upper >> i & 3, lower >> i & 3);
-            let code = (two | next >> 1 << 2 | (next & 1) << 3) as usize;
-            if segments.is_full() {
-                return Outcome::Full;
-            }
-            add(field, left + i as i32, top + y as i32, code, segments);
-        }
-    }
-    Outcome::Complete
-}
-
-#[inline(always)]
-fn add<T: Texel>(field: &Field<'_, T>, x: i32, y: i32, code: usize, segments: &mut Segments) {
-    let (pieces, count) = &PIECES[code];
-    for piece in &pieces[..*count] {
-        let [a, b] =
-            piece.blockers.map(|[dx, dy]| field.nearness(x + i32::from(dx), y + i32::from(dy)));
-        let [dx, dy] = piece.middle;
-        let middle = [(x as f32 + 0.5) + dx, (y as f32 + 0.5) + dy];
-        segments.push(middle, piece.half, (a + b) * 0.5);
-    }
+    let block = ops.blocking(test, &field.block(x, y, &mut room));
+    cell_of_blocks(&block, &block, 0)
 }

@@ -1,220 +1,208 @@
-//! The search of a tile's receivers.
+//! The outlines of the blockers around one tile, one for each group of its receivers.
 
-use super::adaptive::{COUNT, Grid, NO_KEY, Samples};
-use super::field::{Field, Test, Texel};
-use super::geometry::Geometry;
-use super::integral::{blocked_fraction, sum};
-use super::kernels::{Ops, Work};
-use super::leaves::{LeafTest, Leaves};
-use super::outline::{Outcome, Places, STRIP, outline};
-use super::reach::{Extent, Reach};
-use super::receiver::Receiver;
-use super::segments::{CAPACITY, Segments};
-use super::soa::Receivers;
-use super::verdict::margin;
-use crate::Counters;
 use simd_search::Pyramid;
 
-/// An outline that several receivers on one plane share.
-struct Shared {
-    plane: Receiver,
-    is_complete: bool,
-    segments: Segments,
+use super::adaptive::COUNT;
+use super::cell::outline;
+use super::field::{Field, Texel};
+use super::geometry::Geometry;
+use super::groups::{GROUPS, Groups, LONERS};
+use super::integral::cell_of;
+use super::kernels::{Ops, Work};
+use super::leaves::{LeafTest, Leaves};
+use super::outline::{Places, STRIP, Strip};
+use super::planes::{Plane, bounds, extent};
+use super::reach::{Extent, Reach};
+use super::segments::{LANES, Segments};
+use super::soa::Receivers;
+
+/// A cell by its first texel, and its range of the shared segments.
+#[derive(Clone, Copy)]
+pub(crate) struct Cell {
+    pub at: [i32; 2],
+    pub segments: [usize; 2],
 }
 
-/// Outlines of one tile.
-pub(crate) struct Outlines {
-    shared: [Shared; 2],
+/// The outline of the blockers of one group, as ranges of what [`Outlines`] holds.
+#[derive(Clone, Copy)]
+pub(crate) struct Outline {
+    /// The nearest depth in reach.
+    pub greatest: f32,
+    /// Whether the map's border cuts the reach of some receiver.
+    pub is_cut: bool,
+    /// Whether the outline is in `segments` and `disputed`. If not, receivers find their own.
+    pub is_shared: bool,
+    /// Groups of lanes.
+    pub groups: [usize; 2],
+    pub cells: [usize; 2],
+    pub disputed: [usize; 2],
+}
+
+impl Outline {
+    const NONE: Outline = Outline {
+        greatest: 0.0,
+        is_cut: false,
+        is_shared: false,
+        groups: [0; 2],
+        cells: [0; 2],
+        disputed: [0; 2],
+    };
+}
+
+/// A list of at most `N`.
+pub(crate) struct List<T, const N: usize> {
+    items: [T; N],
     len: usize,
-    own: Segments,
-    leaves: Leaves,
 }
 
-impl Shared {
-    const fn new() -> Shared {
-        Shared { plane: Receiver::NOTHING, is_complete: false, segments: Segments::new() }
+impl<T: Copy, const N: usize> List<T, N> {
+    const fn new(item: T) -> Self {
+        List { items: [item; N], len: 0 }
     }
+
+    /// False if there is no room.
+    #[inline(always)]
+    fn push(&mut self, item: T) -> bool {
+        let Some(place) = self.items.get_mut(self.len) else { return false };
+        *place = item;
+        self.len += 1;
+        true
+    }
+
+    #[inline(always)]
+    pub fn part(&self, [from, end]: [usize; 2]) -> &[T] {
+        &self.items[from..end]
+    }
+}
+
+/// The outlines of a tile's groups.
+pub(crate) struct Outlines {
+    /// Of each group; `None` if surely nothing blocks it.
+    pub groups: [Option<Outline>; GROUPS],
+    /// The outlines in cells that look the same to all receivers of a group.
+    pub segments: Segments,
+    /// Of these the cells that receivers lie in.
+    pub cells: List<Cell, 256>,
+    /// The cells where some texel blocks some receivers of a group and not others.
+    pub disputed: List<[i32; 2], 256>,
+    /// Memory for a receiver's own outline.
+    pub own: Segments,
+    pub leaves: Leaves,
 }
 
 impl Outlines {
     pub const fn new() -> Outlines {
         Outlines {
-            shared: [Shared::new(), Shared::new()],
-            len: 0,
+            groups: [None; GROUPS],
+            segments: Segments::new(),
+            cells: List::new(Cell { at: [0; 2], segments: [0; 2] }),
+            disputed: List::new([0; 2]),
             own: Segments::new(),
             leaves: Leaves::new(),
         }
     }
 }
 
-/// Fewer receivers than this do not share an outline.
-const FEW: u32 = 6;
+/// The most disputed cells that are cheaper than an outline of each receiver's own.
+const MOST_DISPUTED: usize = 48;
 
-/// Finds the blocked fractions of all pixels of a tile.
-pub(crate) struct SearchTile<'a, T> {
+/// Finds the outlines of a tile's groups.
+pub(crate) struct FindOutlines<'a, T> {
     pub geometry: &'a Geometry,
     pub field: &'a Field<'a, T>,
     pub pyramid: &'a Pyramid<'a>,
-    pub receivers: &'a Receivers,
-    pub ids: &'a [u32; COUNT],
-    pub grid: &'a Grid,
-    /// The nearest depth in reach of the tile.
+    /// The nearest depth of the whole map.
     pub greatest: f32,
-    pub samples: &'a mut Samples,
+    pub receivers: &'a Receivers,
+    pub groups: &'a Groups,
     pub outlines: &'a mut Outlines,
-    pub counters: &'a mut Counters,
 }
 
-impl<T: Texel> Work for SearchTile<'_, T> {
+impl<T: Texel> Work for FindOutlines<'_, T> {
     #[inline(always)]
     fn run(mut self, ops: &impl Ops) {
-        self.outlines.len = 0;
-        self.set_keys();
-        self.samples.begin(self.grid);
-        let before = self.counters.searches;
-        let mut rows = false;
-        loop {
-            for i in 0..self.samples.wanted().len() {
-                let pixel = usize::from(self.samples.wanted()[i]);
-                self.samples.values[pixel] = self.search(ops, pixel);
-            }
-            self.counters.searches += self.samples.wanted().len() as u32;
-            if !self.samples.refine(self.grid) {
-                if rows {
-                    break;
-                }
-                rows = true;
-                self.samples.begin_rows(self.grid);
-            }
+        self.outlines.segments.clear();
+        self.outlines.cells.len = 0;
+        self.outlines.disputed.len = 0;
+        for group in 0..GROUPS {
+            let is_empty = self.groups.members[group] == 0;
+            self.outlines.groups[group] = if is_empty { None } else { self.group(ops, group) };
         }
-        let receivers = self.samples.keys.iter().filter(|&&key| key != NO_KEY).count() as u32;
-        self.counters.interpolated += receivers - (self.counters.searches - before);
     }
 }
 
-impl<T: Texel> SearchTile<'_, T> {
-    /// What pixels must have in common to be interpolated: the object and the hard shadow test.
+impl<T: Texel> FindOutlines<'_, T> {
     #[inline(always)]
-    fn set_keys(&mut self) {
-        let r = self.receivers;
-        let (width, height) = (self.field.width, self.field.height);
-        let mut texels = [f32::NAN; COUNT];
-        for (i, texel) in texels.iter_mut().enumerate() {
-            // Casts saturate, so that the border stands for what is outside.
-            let (x, y) = (r.u[i] as i32, r.v[i] as i32);
-            *texel = self.field.nearness(x.clamp(0, width - 1), y.clamp(0, height - 1));
-        }
-        for i in 0..COUNT {
-            let above = r.hn[i] * texels[i] > (r.above[i] - r.hv[i] * r.v[i]) - r.hu[i] * r.u[i];
-            let hard = u32::from(above & (texels[i] > r.nearness[i]));
-            let key = (self.ids[i] << 1 | hard).wrapping_add(1);
-            self.samples.keys[i] = if r.sky[i] > 0.0 { key } else { NO_KEY };
-        }
-    }
-
-    /// The blocked fraction of one pixel.
-    #[inline(always)]
-    fn search(&mut self, ops: &impl Ops, pixel: usize) -> f32 {
-        let receiver = self.receivers.get(pixel);
-        let Receiver { u, v, nearness, .. } = receiver;
-        let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
-        let Some(reach) = self.reach(&extent) else { return 0.0 };
-        self.counters.cut_by_border += u32::from(reach.is_cut);
-        let total = match self.shared(ops, &receiver) {
-            Some(index) => sum(&receiver, &self.outlines.shared[index].segments),
-            None => self.own(ops, &receiver, reach.places),
-        };
-        blocked_fraction(self.field.hides_center(&receiver), total)
-    }
-
-    #[inline(always)]
-    fn reach(&self, extent: &Extent) -> Option<Reach> {
+    fn group(&mut self, ops: &impl Ops, group: usize) -> Option<Outline> {
         let size = [self.field.width, self.field.height];
-        Reach::within(self.geometry, self.greatest, size, extent)
+        let extent = extent(self.groups, group, self.receivers);
+        let reach = Reach::new(self.geometry, self.pyramid, self.greatest, size, &extent)?;
+        let own = Outline { greatest: reach.greatest, is_cut: reach.is_cut, ..Outline::NONE };
+        if group == LONERS {
+            return Some(own);
+        }
+        let first = (0..COUNT).find(|&pixel| self.groups.has(group, pixel))?;
+        let corners = reach.places.corners();
+        let bounds = bounds(self.groups, group, self.receivers, first, &corners);
+        self.shared(ops, &extent, &reach, &bounds, own)
     }
 
-    /// The sum over an outline of the receiver's own, found piece by piece.
+    /// The outline that all receivers share; if there is no room for it, `own`.
     #[inline(always)]
-    fn own(&mut self, ops: &impl Ops, receiver: &Receiver, places: Places) -> i32 {
-        let Receiver { u, v, nearness, .. } = *receiver;
-        let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
-        let leaf_test = LeafTest::new(self.geometry, &extent, receiver, margin(receiver));
-        let test = Test::of(receiver);
-        let Outlines { own: segments, leaves, .. } = &mut *self.outlines;
-        let mut total = 0_i32;
-        segments.len = 0;
-        for part in places.parts() {
-            if !leaves.find(self.pyramid, &leaf_test, part) {
-                continue;
-            }
-            for places in leaves.boxes(part, STRIP) {
-                // A leaf's rows of a strip surely fit into half of the room.
-                if segments.len > CAPACITY / 2 {
-                    segments.pad();
-                    total = total.wrapping_add(sum(receiver, segments));
-                    segments.len = 0;
-                }
-                outline(ops, self.field, &test, None, places, segments);
-            }
-        }
-        segments.pad();
-        total.wrapping_add(sum(receiver, segments))
-    }
-
-    /// The index of the outline for all receivers on this receiver's plane, if there is one.
-    #[inline(always)]
-    fn shared(&mut self, ops: &impl Ops, receiver: &Receiver) -> Option<usize> {
-        let known = self.outlines.shared[..self.outlines.len]
-            .iter()
-            .position(|shared| receiver.is_on_plane_of(&shared.plane));
-        if let Some(index) = known {
-            return self.outlines.shared[index].is_complete.then_some(index);
-        }
-        let index = self.outlines.len;
-        let shared = self.outlines.shared.get_mut(index)?;
-        // Whoever is on the plane: where they are, and between which planes theirs lie.
-        let r = self.receivers;
-        let mut extent = Extent::EMPTY;
-        let mut above = [f32::INFINITY, f32::NEG_INFINITY];
-        let mut count = 0;
-        for i in 0..COUNT {
-            let other = r.get(i);
-            if other.sky > 0.0 && other.is_on_plane_of(receiver) {
-                extent.add(other.u, other.v, other.nearness);
-                above = [above[0].min(other.above), above[1].max(other.above)];
-                count += 1;
-            }
-        }
-        if count < FEW {
-            return None;
-        }
-        let size = [self.field.width, self.field.height];
-        let reach = Reach::within(self.geometry, self.greatest, size, &extent)?;
-        // Planes may differ in their direction, too, by what `is_on_plane_of` tolerates.
-        let room = receiver.plane_room(size);
-        let Receiver { hu, hv, hn, .. } = *receiver;
-        let [least, most] = extent.nearness;
-        let some = Test { hu, hv, hn, above: above[0] - room, nearness: least };
-        let all = Test { above: above[1] + room, nearness: most, ..some };
-        shared.plane = *receiver;
-        shared.segments.len = 0;
-        let leaf_test = LeafTest::new(self.geometry, &extent, receiver, margin(receiver) - room);
-        let leaves = &mut self.outlines.leaves;
-        let mut outcome = Outcome::Complete;
+    fn shared(
+        &mut self,
+        ops: &impl Ops,
+        extent: &Extent,
+        reach: &Reach,
+        bounds: &[Plane; 2],
+        own: Outline,
+    ) -> Option<Outline> {
+        let Outlines { segments, cells, disputed, leaves, .. } = &mut *self.outlines;
+        // What is above the first blocks some receivers, what is above the second all of them.
+        let tests = [bounds[0].test(extent.nearness[0]), bounds[1].test(extent.nearness[1])];
+        let leaf_test =
+            LeafTest::new(self.geometry, extent, bounds, [self.field.width, self.field.height]);
+        let start = [segments.len(), cells.len, disputed.len];
+        let [left, top] = cell_of(extent.u[0], extent.v[0]);
+        let [right, bottom] = cell_of(extent.u[1], extent.v[1]);
+        let receivers = Places { columns: [left, right + 1], rows: [top, bottom + 1] };
+        let mut has_leaves = false;
         for part in reach.places.parts() {
             if !leaves.find(self.pyramid, &leaf_test, part) {
                 continue;
             }
+            has_leaves = true;
             for places in leaves.boxes(part, STRIP) {
-                if outcome == Outcome::Complete {
-                    outcome =
-                        outline(ops, self.field, &some, Some(&all), places, &mut shared.segments);
+                let strip = Strip::new(ops, self.field, &tests, places);
+                for i in 0..strip.cells() {
+                    let Some((at, [some, all])) = strip.divided(i) else { continue };
+                    let first = segments.len();
+                    let fits = if some != all {
+                        disputed.len - start[2] < MOST_DISPUTED && disputed.push(at)
+                    } else if segments.is_full() {
+                        false
+                    } else {
+                        outline(self.field, at, &some, segments);
+                        let cell = Cell { at, segments: [first, segments.len()] };
+                        !receivers.hold(at) || cells.push(cell)
+                    };
+                    if !fits {
+                        segments.pad();
+                        return Some(own);
+                    }
                 }
             }
         }
-        shared.is_complete = outcome == Outcome::Complete;
-        shared.segments.pad();
-        self.outlines.len += 1;
-        shared.is_complete.then_some(index)
+        let groups = [start[0] / LANES, segments.pad()];
+        for group in groups[0]..groups[1] {
+            segments.bound(group);
+        }
+        has_leaves.then_some(Outline {
+            is_shared: true,
+            groups,
+            cells: [start[1], cells.len],
+            disputed: [start[2], disputed.len],
+            ..own
+        })
     }
 }

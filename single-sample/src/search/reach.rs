@@ -2,8 +2,12 @@
 
 use simd_search::Pyramid;
 
+use super::cell::CELL;
 use super::geometry::Geometry;
 use super::outline::Places;
+
+/// Texels from any point of a cell to the texels of that cell, and more.
+const ROOM: f32 = CELL as f32 + 2.0;
 
 /// The range of some receivers' places in the map.
 #[derive(Clone, Copy, Debug)]
@@ -84,11 +88,15 @@ impl Reach {
 }
 
 /// The places within `radius` of \[from, to\] along one axis, in a map of `size` texels, and
-/// whether its border cuts them. A place is that of the texel before it.
+/// whether its border cuts them. Whole cells, with all blockers that the outline in any cell within
+/// the radius may depend on.
 #[inline(always)]
 fn range([from, to]: [f32; 2], radius: f32, size: i32) -> ([i32; 2], bool) {
-    // One place more on both sides: pieces of the outline are half a place long. Casts saturate.
-    let (first, end) = ((from - radius) - 2.5, (to + radius) + 2.5);
-    let is_cut = first < -1.0 || end > size as f32 + 1.0;
-    ([(first as i32).max(-1), (end as i32).min(size)], is_cut)
+    const SIZE: i32 = CELL as i32;
+    let (first, end) = (from - radius, to + radius);
+    let is_cut = first < 1.5 || end > size as f32 - 1.5;
+    // Casts saturate.
+    let first = ((first - ROOM) as i32).clamp(-SIZE, size).div_euclid(SIZE) * SIZE;
+    let end = (((end + ROOM) as i32).clamp(-SIZE, size) + SIZE - 1).div_euclid(SIZE) * SIZE;
+    ([first, end], is_cut)
 }

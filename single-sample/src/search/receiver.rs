@@ -1,6 +1,7 @@
 //! From a camera's pixel to what its search needs.
 
 use super::geometry::Geometry;
+use super::planes::Plane;
 use crate::disc::disc_fraction;
 use crate::math::sqrt;
 
@@ -19,13 +20,6 @@ pub(crate) struct Receiver {
     pub above: f32,
     /// The fraction of the disc above the receiver's plane; 0 if the camera sees nothing.
     pub sky: f32,
-    /// The disc as a metric of texel space: an offset (x, y) at a nearness w above the receiver's
-    /// is on the rim where `qxx x² + qxy x y + qyy y² = w²`.
-    pub qxx: f32,
-    pub qxy: f32,
-    pub qyy: f32,
-    /// Twice the root of the metric's determinant.
-    pub area: f32,
 }
 
 /// Far outside of every map.
@@ -76,9 +70,6 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
     let cosine = sqrt(if sine * sine < 1.0 { 1.0 - sine * sine } else { 0.0 });
     let sky = disc_fraction(height / (g.radius * cosine));
     let sky = if flat | !placed { 1.0 } else { sky };
-
-    let [kx, ky] = [1.0 / g.spread[0], 1.0 / g.spread[1]];
-    let (lx, ly) = (tx * tx / squared, ty * ty / squared);
     Receiver {
         u: if placed { u } else { NOWHERE },
         v: if placed { v } else { NOWHERE },
@@ -88,37 +79,26 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
         hn,
         above,
         sky: if n > 0.0 { sky } else { 0.0 },
-        qxx: (1.0 - lx) * (kx * kx),
-        qxy: (-2.0 * (tx * ty / squared)) * (kx * ky),
-        qyy: (1.0 - ly) * (ky * ky),
-        area: (2.0 / sqrt(squared)) * (kx * ky),
     }
 }
 
-/// How much the directions of planes that count as one may differ.
-const SAME_DIRECTION: f32 = 1.0 / 131072.0;
-
 impl Receiver {
-    /// One that sees nothing of the light.
-    pub const NOTHING: Receiver = Receiver {
-        u: NOWHERE,
-        v: NOWHERE,
-        nearness: -NOWHERE,
-        hu: 0.0,
-        hv: 0.0,
-        hn: 0.0,
-        above: 0.0,
-        sky: 0.0,
-        qxx: 0.0,
-        qxy: 0.0,
-        qyy: 0.0,
-        area: 0.0,
-    };
-
     /// Whether it has a place in the light's view.
     #[inline(always)]
     pub fn is_somewhere(&self) -> bool {
         self.u > NOWHERE
+    }
+
+    /// Planes below and above its own, by room for rounding. Not finite if its own is not seen from
+    /// above.
+    #[inline(always)]
+    pub fn planes(&self) -> [Plane; 2] {
+        let origin = self.above / self.hn;
+        let room = self.nearness.abs() * (1.0 / 65536.0);
+        let slope = [-self.hu / self.hn, -self.hv / self.hn];
+        let is_seen = self.hn > 0.0;
+        let low = if is_seen { origin - room } else { f32::NEG_INFINITY };
+        [Plane { origin: low, slope }, Plane { origin: origin + room, slope }]
     }
 
     /// Whether a texel with centre (s, t) blocks part of what this receiver could see.
@@ -126,21 +106,49 @@ impl Receiver {
     pub fn is_blocked_by(&self, s: f32, t: f32, nearness: f32) -> bool {
         self.hn * nearness > (self.above - self.hv * t) - self.hu * s && nearness > self.nearness
     }
+}
 
-    /// Whether both planes have one direction, and about one place.
+/// What an integral over the disc needs of a receiver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub u: f32,
+    pub v: f32,
+    pub nearness: f32,
+    /// Blockers count as nearer by at least this.
+    pub least: f32,
+    /// The disc's greatest radius in texels, per nearness above the receiver's.
+    pub reach: f32,
+    /// Offsets (x, y) in texels times nearness above the receiver's are those in the disc:
+    /// (xx x + xy y, yy y) in radii.
+    pub xx: f32,
+    pub xy: f32,
+    pub yy: f32,
+    /// xx times yy.
+    pub area: f32,
+}
+
+impl Seen {
+    /// The disc faces the receiver, not the map: its image is stretched by the tangents of the
+    /// direction it is seen in.
     #[inline(always)]
-    pub fn is_on_plane_of(&self, other: &Receiver) -> bool {
-        let size = other.hu.abs() + other.hv.abs();
-        (self.hu - other.hu).abs() <= size * SAME_DIRECTION
-            && (self.hv - other.hv).abs() <= size * SAME_DIRECTION
-            && (self.hn - other.hn).abs() <= other.hn.abs() * SAME_DIRECTION
-            && (self.above - other.above).abs() <= other.above.abs() * (1.0 / 16384.0)
-    }
-
-    /// By how much [`Receiver::above`] may be off, anywhere in a map of that size, for those that
-    /// are [`Receiver::is_on_plane_of`] this.
-    pub fn plane_room(&self, [width, height]: [i32; 2]) -> f32 {
-        let far = (self.hu.abs() + self.hv.abs()) * (width + height) as f32;
-        (far + self.above.abs()) * (2.0 * SAME_DIRECTION)
+    pub fn of(g: &Geometry, r: &Receiver) -> Seen {
+        let tx = (r.u - g.center[0]) * g.tangent[0];
+        let ty = (r.v - g.center[1]) * g.tangent[1];
+        let across = 1.0 + ty * ty;
+        let squared = across + tx * tx;
+        let (root, stretch) = (sqrt(across), sqrt(squared));
+        let xx = root / (stretch * g.spread[0]);
+        let yy = 1.0 / (root * g.spread[1]);
+        Seen {
+            u: r.u,
+            v: r.v,
+            nearness: r.nearness,
+            least: r.nearness.abs() * (1.0 / 16384.0),
+            reach: g.spread[0].max(g.spread[1]) * stretch,
+            xx,
+            xy: -(tx * ty) / ((stretch * root) * g.spread[1]),
+            yy,
+            area: xx * yy,
+        }
     }
 }

@@ -1,131 +1,174 @@
-//! The outline of the blockers around a receiver, as short straight pieces.
+//! Straight segments of an outline, as structures of arrays.
 
-/// A piece of the outline: from the midpoint between two texel centres, one blocking and one
-/// not, to the next such midpoint, blockers to its right (seen down the map).
+use super::receiver::Seen;
+
+/// A point of the outline, in texel coordinates, and the nearness of the blocker there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
-    /// Its middle, from the centre of the upper left of the four texels it lies between.
-    pub middle: [f32; 2],
-    /// Half of the way along it.
-    pub half: [f32; 2],
-    /// The blocking texels at its two ends, as columns and rows from the upper left one.
-    pub blockers: [[u8; 2]; 2],
+pub(crate) struct Vertex {
+    pub x: f32,
+    pub y: f32,
+    pub nearness: f32,
 }
 
-/// The four texels around a corner of the grid, clockwise from the upper left.
-const CORNERS: [[u8; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
-/// The midpoint between each of them and the next.
-const MIDPOINTS: [[f32; 2]; 4] = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]];
+/// A straight part of the outline, blockers to its right (seen down the map).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Segment {
+    pub from: Vertex,
+    pub to: Vertex,
+}
 
-const NO_PIECE: Piece = Piece { middle: [0.0; 2], half: [0.0; 2], blockers: [[0; 2]; 2] };
-
-/// The pieces between four texels, of which bit i of the index says whether the i-th of
-/// `CORNERS` blocks; and how many. Two blocking texels that touch only diagonally are separate.
-pub(crate) const PIECES: [([Piece; 2], usize); 16] = {
-    let mut table = [([NO_PIECE; 2], 0); 16];
-    let mut code = 0;
-    while code < 16 {
-        let mut leave = 0;
-        while leave < 4 {
-            // Clockwise, the outline of a blocking run is crossed where it is left ...
-            if code >> leave & 1 == 1 && code >> ((leave + 1) % 4) & 1 == 0 {
-                // ... and where it was entered.
-                let mut enter = (leave + 3) % 4;
-                while code >> enter & 1 == 1 {
-                    enter = (enter + 3) % 4;
-                }
-                let (from, to) = (MIDPOINTS[enter], MIDPOINTS[leave]);
-                table[code].0[table[code].1] = Piece {
-                    middle: [(from[0] + to[0]) * 0.5, (from[1] + to[1]) * 0.5],
-                    half: [(to[0] - from[0]) * 0.5, (to[1] - from[1]) * 0.5],
-                    blockers: [CORNERS[(enter + 1) % 4], CORNERS[leave]],
-                };
-                table[code].1 += 1;
-            }
-            leave += 1;
+impl Segment {
+    #[inline(always)]
+    fn of([x, y, nearness, to_x, to_y, to_nearness]: [f32; 6]) -> Segment {
+        Segment {
+            from: Vertex { x, y, nearness },
+            to: Vertex { x: to_x, y: to_y, nearness: to_nearness },
         }
-        code += 1;
     }
-    table
-};
-
-/// Whether the point (x, y) in \[0, 1\]² between four texel centres lies within the outline.
-#[inline(always)]
-pub(crate) fn is_within(code: usize, x: f32, y: f32) -> bool {
-    let nearest = match (x < 0.5, y < 0.5) {
-        (true, true) => 0,
-        (false, true) => 1,
-        (false, false) => 2,
-        (true, false) => 3,
-    };
-    let (dx, dy) = (if x < 0.5 { x } else { 1.0 - x }, if y < 0.5 { y } else { 1.0 - y });
-    // The outline cuts off the corner of a texel that differs from its neighbours, and of two that
-    // touch diagonally.
-    let cut = dx + dy >= 0.5;
-    let blocks = code >> nearest & 1 == 1;
-    let beside = code >> ((nearest + 1) % 4) & 1 == 1 || code >> ((nearest + 3) % 4) & 1 == 1;
-    let between = code >> ((nearest + 1) % 4) & 1 == 1 && code >> ((nearest + 3) % 4) & 1 == 1;
-    let opposite = code >> ((nearest + 2) % 4) & 1 == 1;
-    if blocks { !cut || beside } else { cut && between && opposite }
 }
 
-/// How many pieces [`Segments`] holds.
-pub(crate) const CAPACITY: usize = 2048;
-/// Pieces are visited this many at a time.
+/// How many segments [`Segments`] holds.
+const CAPACITY: usize = 1024;
+/// The most that one cell adds.
+const CELL_MOST: usize = 128;
+/// Segments that are visited at a time.
 pub(crate) const LANES: usize = 16;
 
-/// Pieces of the outline in the map, as structures of arrays.
+/// Segments of the outline in the map.
 pub(crate) struct Segments {
-    pub x: [f32; CAPACITY],
-    pub y: [f32; CAPACITY],
-    pub half_x: [f32; CAPACITY],
-    pub half_y: [f32; CAPACITY],
-    /// Nearness of the blocker, the mean of the two ends.
-    pub nearness: [f32; CAPACITY],
-    pub len: usize,
+    /// x, y and nearness of the first vertex, then of the second.
+    values: [[f32; CAPACITY]; 6],
+    len: usize,
+    bounds: [Bounds; CAPACITY / LANES],
+}
+
+/// Where a group of segments lies, and the nearest of their blockers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    u: [f32; 2],
+    v: [f32; 2],
+    nearness: f32,
+}
+
+impl Bounds {
+    const EMPTY: Bounds = Bounds {
+        u: [f32::INFINITY, f32::NEG_INFINITY],
+        v: [f32::INFINITY, f32::NEG_INFINITY],
+        nearness: f32::NEG_INFINITY,
+    };
+
+    /// Whether the segments may reach into a receiver's disc.
+    #[inline(always)]
+    pub fn are_in_reach(&self, r: &Seen) -> bool {
+        let apart = |at: f32, [low, high]: [f32; 2]| {
+            let (before, after) = (low - at, at - high);
+            let apart = if before > after { before } else { after };
+            if apart > 0.0 { apart } else { 0.0 }
+        };
+        let (dx, dy) = (apart(r.u, self.u), apart(r.v, self.v));
+        // A texel is ample room for rounding.
+        let nearer = self.nearness - r.nearness;
+        let reach = r.reach * if nearer > r.least { nearer } else { r.least } + 1.0;
+        dx * dx + dy * dy <= reach * reach
+    }
 }
 
 impl Segments {
     pub const fn new() -> Segments {
-        let zero = [0.0; CAPACITY];
-        Segments { x: zero, y: zero, half_x: zero, half_y: zero, nearness: zero, len: 0 }
+        Segments { values: [[0.0; CAPACITY]; 6], len: 0, bounds: [Bounds::EMPTY; CAPACITY / LANES] }
     }
 
-    /// Whether the pieces of another four texels, and padding, may not fit.
-    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether the segments of another cell, and those that fill up the last group, may not fit.
     pub fn is_full(&self) -> bool {
-        self.len + 2 + LANES > CAPACITY
+        self.len + CELL_MOST + LANES > CAPACITY
     }
 
     #[inline(always)]
-    pub fn push(&mut self, middle: [f32; 2], half: [f32; 2], nearness: f32) {
-        let i = self.len;
-        (self.x[i], self.y[i]) = (middle[0], middle[1]);
-        (self.half_x[i], self.half_y[i]) = (half[0], half[1]);
-        self.nearness[i] = nearness;
+    pub fn push(&mut self, Segment { from, to }: Segment) {
+        let values = [from.x, from.y, from.nearness, to.x, to.y, to.nearness];
+        for (lane, value) in self.values.iter_mut().zip(values) {
+            lane[self.len] = value;
+        }
         self.len += 1;
     }
 
-    /// Fills up to whole groups of lanes with pieces that count for nothing, until the next piece
-    /// is added.
+    /// Finds the bounds of a group of lanes, which is full.
     #[inline(always)]
-    pub fn pad(&mut self) {
-        let len = self.len;
-        while !self.len.is_multiple_of(LANES) {
-            self.push([0.0; 2], [0.0; 2], f32::NEG_INFINITY);
-        }
-        self.len = len;
+    pub fn bound(&mut self, group: usize) {
+        let range = |from: usize, to: usize| {
+            let from: &[f32; LANES] = &self.values[from].as_chunks().0[group];
+            let to: &[f32; LANES] = &self.values[to].as_chunks().0[group];
+            let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+            for i in 0..LANES {
+                low[i] = if from[i] < to[i] { from[i] } else { to[i] };
+                high[i] = if from[i] > to[i] { from[i] } else { to[i] };
+            }
+            let mut half = LANES / 2;
+            while half > 0 {
+                for i in 0..half {
+                    low[i] = if low[i] < low[i + half] { low[i] } else { low[i + half] };
+                    high[i] = if high[i] > high[i + half] { high[i] } else { high[i + half] };
+                }
+                half /= 2;
+            }
+            [low[0], high[0]]
+        };
+        let [_, nearness] = range(2, 5);
+        self.bounds[group] = Bounds { u: range(0, 3), v: range(1, 4), nearness };
     }
 
-    /// The first `count` groups of lanes of x, y, half_x, half_y and nearness.
+    /// Of a group of lanes, once they are found.
     #[inline(always)]
-    pub fn groups(&self, count: usize) -> [&[[f32; LANES]]; 5] {
-        [
-            &self.x.as_chunks().0[..count],
-            &self.y.as_chunks().0[..count],
-            &self.half_x.as_chunks().0[..count],
-            &self.half_y.as_chunks().0[..count],
-            &self.nearness.as_chunks().0[..count],
-        ]
+    pub fn bounds(&self, group: usize) -> &Bounds {
+        &self.bounds[group]
+    }
+
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Segment {
+        let [x, y, nearness, to_x, to_y, to_nearness] = &self.values;
+        Segment::of([x[i], y[i], nearness[i], to_x[i], to_y[i], to_nearness[i]])
+    }
+
+    #[inline(always)]
+    pub fn group(&self, i: usize) -> Group<'_> {
+        let [a, b, c, d, e, f] = &self.values;
+        Group([
+            &a.as_chunks().0[i],
+            &b.as_chunks().0[i],
+            &c.as_chunks().0[i],
+            &d.as_chunks().0[i],
+            &e.as_chunks().0[i],
+            &f.as_chunks().0[i],
+        ])
+    }
+
+    /// Fills up the last group of lanes with segments that count for nothing. Returns the number of
+    /// groups.
+    #[inline(always)]
+    pub fn pad(&mut self) -> usize {
+        while !self.len.is_multiple_of(LANES) {
+            let end = self.get(self.len - 1).to;
+            self.push(Segment { from: end, to: end });
+        }
+        self.len / LANES
+    }
+}
+
+/// Segments side by side.
+pub(crate) struct Group<'a>([&'a [f32; LANES]; 6]);
+
+impl Group<'_> {
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Segment {
+        let [x, y, nearness, to_x, to_y, to_nearness] = self.0;
+        Segment::of([x[i], y[i], nearness[i], to_x[i], to_y[i], to_nearness[i]])
     }
 }

@@ -18,10 +18,6 @@ pub(crate) struct Receivers {
     pub hn: Lane,
     pub above: Lane,
     pub sky: Lane,
-    qxx: Lane,
-    qxy: Lane,
-    qyy: Lane,
-    area: Lane,
 }
 
 impl Receivers {
@@ -36,10 +32,6 @@ impl Receivers {
             hn: zero,
             above: zero,
             sky: zero,
-            qxx: zero,
-            qxy: zero,
-            qyy: zero,
-            area: zero,
         }
     }
 
@@ -53,10 +45,6 @@ impl Receivers {
         self.hn[i] = r.hn;
         self.above[i] = r.above;
         self.sky[i] = r.sky;
-        self.qxx[i] = r.qxx;
-        self.qxy[i] = r.qxy;
-        self.qyy[i] = r.qyy;
-        self.area[i] = r.area;
     }
 
     #[inline(always)]
@@ -70,10 +58,6 @@ impl Receivers {
             hn: self.hn[i],
             above: self.above[i],
             sky: self.sky[i],
-            qxx: self.qxx[i],
-            qxy: self.qxy[i],
-            qyy: self.qyy[i],
-            area: self.area[i],
         }
     }
 }

@@ -3,17 +3,18 @@
 use shadowmap_core::{Camera, Level, Surface, Surfaces};
 use simd_search::Pyramid;
 
-use super::adaptive::{COUNT, Grid, Samples, TILE};
+use super::adaptive::{COUNT, Grid, NO_KEY, Samples, TILE};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
+use super::groups::{Groups, is_seen};
 use super::kernels;
 use super::leaves::{FindBlockers, LeafTest};
 use super::outline::Places;
-use super::outlines::{Outlines, SearchTile};
+use super::outlines::{FindOutlines, Outlines};
 use super::planar::{FindPlanar, Planar};
-use super::reach::{Extent, Reach};
+use super::reach::Reach;
 use super::soa::{Pixels, Receivers, SetReceivers};
-use super::verdict::{FindExtent, FindLeast, margin};
+use super::tile_search::SearchTile;
 use crate::{Counters, Found, Visibility};
 
 /// What all tiles of a call share.
@@ -35,6 +36,7 @@ pub(crate) struct Scene<'a, T> {
 pub(crate) struct Scratch {
     pixels: Pixels,
     receivers: Receivers,
+    groups: Groups,
     samples: Samples,
     outlines: Outlines,
 }
@@ -44,6 +46,7 @@ impl Scratch {
         Scratch {
             pixels: Pixels::new(),
             receivers: Receivers::new(),
+            groups: Groups::new(),
             samples: Samples::new(),
             outlines: Outlines::new(),
         }
@@ -67,7 +70,8 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         tolerance: scene.tolerance,
     };
     counters.tiles += 1;
-    if let Some(visible) = whole(scene, [left, top], &grid) {
+    let whole = whole(scene, [left, top], &grid);
+    if let Whole::Decided(visible) = whole {
         counters.decided_tiles += 1;
         counters.receivers += (grid.width * grid.height) as u32;
         for row in 0..grid.height {
@@ -76,58 +80,82 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         }
         return;
     }
-    let Scratch { pixels, receivers, samples, outlines } = scratch;
+    let Scratch { pixels, receivers, groups, samples, outlines } = scratch;
     set_pixels(&scene.camera, [left, top], &grid, pixels, counters);
     let first = [left as f32 + 0.5, top as f32 + 0.5];
     let geometry = &scene.geometry;
     kernels::run(scene.level, SetReceivers { geometry, first, pixels, receivers });
     count_outside(&scene.field, receivers, counters);
-    let greatest = greatest_that_may_block(scene, receivers);
-    if let Some(greatest) = greatest {
+    match whole {
+        Whole::OnePlane => groups.set_one(grid.height * TILE),
+        _ => groups.set(pixels, receivers),
+    }
+    let work = FindOutlines {
+        geometry,
+        field: &scene.field,
+        pyramid: &scene.pyramid,
+        greatest: scene.greatest,
+        receivers,
+        groups,
+        outlines,
+    };
+    kernels::run(scene.level, work);
+    let is_decided = outlines.groups.iter().all(Option::is_none);
+    if is_decided {
+        counters.decided_tiles += 1;
+        samples.values = [0.0; COUNT];
+    } else {
         let work = SearchTile {
             geometry,
             field: &scene.field,
             pyramid: &scene.pyramid,
             receivers,
+            groups,
             ids: &pixels.ids,
             grid: &grid,
-            greatest,
             samples,
             outlines,
             counters,
         };
         kernels::run(scene.level, work);
-    } else {
-        counters.decided_tiles += 1;
-        samples.values = [0.0; COUNT];
     }
     for row in 0..grid.height {
         let out = &mut out[row * image + left as usize..][..grid.width];
         for (i, out) in out.iter_mut().enumerate() {
             let k = row * TILE + i;
             let visible = receivers.sky[k] - samples.values[k];
-            let found = match (greatest, samples.searched[k], receivers.sky[k] > 0.0) {
-                (None, _, _) | (_, _, false) => Found::Decided,
-                (_, true, _) => Found::Searched,
-                (_, false, _) => Found::Interpolated,
+            let found = match (is_decided || samples.keys[k] == NO_KEY, samples.searched[k]) {
+                (true, _) => Found::Decided,
+                (_, true) => Found::Searched,
+                (_, false) => Found::Interpolated,
             };
             *out = V::from_pixel(if visible > 0.0 { visible } else { 0.0 }, found);
         }
     }
 }
 
-/// The visibility of a tile that shows one plane, if it is all lit or turned away from the light.
-fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Option<f32> {
+/// What is known of a tile at once.
+enum Whole {
+    /// All of its pixels have this visibility.
+    Decided(f32),
+    /// It shows one plane, above whose horizon all of the light is.
+    OnePlane,
+    Mixed,
+}
+
+/// Looks whether a tile shows one plane, and if so, whether it is all lit or turned away from the
+/// light.
+fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole {
     let geometry = &scene.geometry;
     let mut found = None;
     let camera = &scene.camera;
     kernels::run(scene.level, FindPlanar { camera, geometry, pixel, grid, found: &mut found });
-    let Planar { first, extent } = found?;
+    let Some(Planar { first, extent }) = found else { return Whole::Mixed };
     let size = [scene.field.width, scene.field.height];
     // Of the disc in units of its radius; beyond 1 by more than rounding errors.
     let horizon = first.hn * geometry.unit / geometry.radius;
     if horizon < -1.0001 {
-        return Some(0.0);
+        return Whole::Decided(0.0);
     }
     // Pixels outside the map are counted one by one.
     let is_inside = extent.u[0] >= 0.0
@@ -135,33 +163,17 @@ fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Option
         && extent.u[1] < size[0] as f32
         && extent.v[1] < size[1] as f32;
     if !is_inside || horizon.is_nan() || horizon <= 1.0001 {
-        return None;
+        return Whole::Mixed;
     }
     let Some(reach) = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent) else {
-        return Some(1.0);
+        return Whole::Decided(1.0);
     };
-    let test = LeafTest::new(geometry, &extent, &first, margin(&first));
-    (!may_block(scene, test, reach.places)).then_some(1.0)
-}
-
-/// The nearest depth in reach of a tile's receivers; `None` if surely nothing blocks them.
-fn greatest_that_may_block<T: Texel>(scene: &Scene<'_, T>, receivers: &Receivers) -> Option<f32> {
-    let (level, geometry) = (scene.level, &scene.geometry);
-    let mut extent = Extent::EMPTY;
-    kernels::run(level, FindExtent { receivers, extent: &mut extent });
-    let size = [scene.field.width, scene.field.height];
-    let reach = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent)?;
-    let plane = (0..COUNT).find(|&i| receivers.sky[i] > 0.0 && receivers.hn[i] > 0.0);
-    if let Some(plane) = plane {
-        let plane = receivers.get(plane);
-        let corners = reach.places.corners();
-        let mut least = 0.0;
-        kernels::run(level, FindLeast { receivers, plane: &plane, corners, least: &mut least });
-        if !may_block(scene, LeafTest::new(geometry, &extent, &plane, least), reach.places) {
-            return None;
-        }
+    let test = LeafTest::new(geometry, &extent, &first.planes(), size);
+    match may_block(scene, test, reach.places) {
+        false => Whole::Decided(1.0),
+        true if is_seen(first.hn * 0.5) => Whole::OnePlane,
+        true => Whole::Mixed,
     }
-    Some(reach.greatest)
 }
 
 /// Whether some leaf of the pyramid may hold blockers.

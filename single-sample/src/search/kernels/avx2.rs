@@ -35,5 +35,5 @@ fn blocking(test: &Test, block: &Block<'_>) -> Bits {
             found[y] |= (bits as u16) << (8 * part);
         }
     }
-    found
+    Bits::new(found)
 }

@@ -30,5 +30,5 @@ fn blocking(test: &Test, block: &Block<'_>) -> Bits {
         let least = all(test.nearness);
         found[y] = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(is_above, texels, least);
     }
-    found
+    Bits::new(found)
 }

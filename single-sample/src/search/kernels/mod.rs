@@ -14,8 +14,50 @@ mod avx512;
 #[cfg(target_feature = "sse2")]
 mod sse41;
 
-/// A bit per texel of a block, row by row: texel i of a row is bit i.
-pub(crate) type Bits = [u16; BLOCK_ROWS];
+/// The first texel of each of the four rows in a word of [`Bits`].
+pub(crate) const ROWS: u64 = 0x1_0001_0001_0001;
+
+/// A bit per texel of a block, row by row: texel i of a row is bit i of the row's 16.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Bits {
+    /// Four rows each, the first one lowest.
+    pub words: [u64; 2],
+    pub last: u16,
+}
+
+impl Bits {
+    #[inline(always)]
+    pub fn new(rows: [u16; BLOCK_ROWS]) -> Bits {
+        let word = |first: usize| {
+            let [a, b, c, d] = [rows[first], rows[first + 1], rows[first + 2], rows[first + 3]];
+            (u64::from(a) | u64::from(b) << 16) | (u64::from(c) << 32 | u64::from(d) << 48)
+        };
+        Bits { words: [word(0), word(4)], last: rows[BLOCK_ROWS - 1] }
+    }
+
+    #[inline(always)]
+    pub fn row(&self, y: usize) -> u16 {
+        if y < 8 { (self.words[y / 4] >> (y % 4 * 16)) as u16 } else { self.last }
+    }
+
+    /// The same done to every row, which must not move bits from one row to another.
+    #[inline(always)]
+    pub fn each(&self, next: &Bits, change: impl Fn(u64, u64) -> u64) -> Bits {
+        Bits {
+            words: [change(self.words[0], next.words[0]), change(self.words[1], next.words[1])],
+            last: change(u64::from(self.last), u64::from(next.last)) as u16,
+        }
+    }
+
+    /// The texels of a row that are set in any row, and those that are set in all.
+    #[inline(always)]
+    pub fn any_and_all(&self) -> (u16, u16) {
+        let any = self.words[0] | self.words[1];
+        let all = self.words[0] & self.words[1];
+        let (any, all) = (any | any >> 32, all & all >> 32);
+        ((any | any >> 16) as u16 | self.last, (all & all >> 16) as u16 & self.last)
+    }
+}
 
 /// Which of the texels of a block pass a test.
 ///
@@ -69,5 +111,5 @@ fn plain(test: &Test, block: &Block<'_>) -> Bits {
             found[y] |= u16::from(blocks) << i;
         }
     }
-    found
+    Bits::new(found)
 }

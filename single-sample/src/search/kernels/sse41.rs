@@ -34,5 +34,5 @@ fn blocking(test: &Test, block: &Block<'_>) -> Bits {
             found[y] |= (bits as u16) << (4 * part);
         }
     }
-    found
+    Bits::new(found)
 }

@@ -1,0 +1,214 @@
+//! The search of a tile's receivers.
+
+use simd_search::Pyramid;
+
+use super::adaptive::{COUNT, Grid, NO_KEY, Samples};
+use super::cell::{is_uniform, outline};
+use super::field::{Field, Test, Texel};
+use super::geometry::Geometry;
+use super::groups::Groups;
+use super::integral::{blocked_fraction, cell_of, hides_center, sum};
+use super::kernels::{Ops, Work};
+use super::leaves::LeafTest;
+use super::outline::{Places, STRIP, Strip, cell_bits};
+use super::outlines::{Outline, Outlines};
+use super::reach::{Extent, Reach};
+use super::receiver::{Receiver, Seen};
+use super::soa::Receivers;
+use crate::Counters;
+
+/// Finds the blocked fractions of all pixels of a tile.
+pub(crate) struct SearchTile<'a, T> {
+    pub geometry: &'a Geometry,
+    pub field: &'a Field<'a, T>,
+    pub pyramid: &'a Pyramid<'a>,
+    pub receivers: &'a Receivers,
+    pub groups: &'a Groups,
+    pub ids: &'a [u32; COUNT],
+    pub grid: &'a Grid,
+    pub samples: &'a mut Samples,
+    pub outlines: &'a mut Outlines,
+    pub counters: &'a mut Counters,
+}
+
+impl<T: Texel> Work for SearchTile<'_, T> {
+    #[inline(always)]
+    fn run(mut self, ops: &impl Ops) {
+        self.set_keys();
+        self.samples.begin(self.grid);
+        let before = self.counters.searches;
+        let mut rows = false;
+        loop {
+            for i in 0..self.samples.wanted().len() {
+                let pixel = usize::from(self.samples.wanted()[i]);
+                self.samples.values[pixel] = self.search(ops, pixel);
+            }
+            self.counters.searches += self.samples.wanted().len() as u32;
+            if !self.samples.refine(self.grid) {
+                if rows {
+                    break;
+                }
+                rows = true;
+                self.samples.begin_rows(self.grid);
+            }
+        }
+        let receivers = self.samples.keys.iter().filter(|&&key| key != NO_KEY).count() as u32;
+        self.counters.interpolated += receivers - (self.counters.searches - before);
+    }
+}
+
+impl<T: Texel> SearchTile<'_, T> {
+    /// What pixels must have in common to be interpolated: the object and the hard shadow test.
+    #[inline(always)]
+    fn set_keys(&mut self) {
+        let r = self.receivers;
+        let (width, height) = (self.field.width, self.field.height);
+        let mut texels = [f32::NAN; COUNT];
+        for (i, texel) in texels.iter_mut().enumerate() {
+            // Casts saturate, so that the border stands for what is outside.
+            let (x, y) = (r.u[i] as i32, r.v[i] as i32);
+            *texel = self.field.nearness(x.clamp(0, width - 1), y.clamp(0, height - 1));
+        }
+        for i in 0..COUNT {
+            let above = r.hn[i] * texels[i] > (r.above[i] - r.hv[i] * r.v[i]) - r.hu[i] * r.u[i];
+            let hard = u32::from(above & (texels[i] > r.nearness[i]));
+            let key = (self.ids[i] << 1 | hard).wrapping_add(1);
+            let group = self.groups.of(i);
+            let may_be_blocked = group.is_some_and(|group| self.outlines.groups[group].is_some());
+            self.samples.keys[i] = if may_be_blocked { key } else { NO_KEY };
+        }
+    }
+
+    /// The blocked fraction of one pixel.
+    #[inline(always)]
+    fn search(&mut self, ops: &impl Ops, pixel: usize) -> f32 {
+        let group = self.groups.of(pixel).and_then(|group| self.outlines.groups[group]);
+        let Some(outline) = group else { return 0.0 };
+        let receiver = self.receivers.get(pixel);
+        let seen = Seen::of(self.geometry, &receiver);
+        let cell = cell_of(receiver.u, receiver.v);
+        let needs_reach =
+            outline.is_cut || !outline.is_shared || outline.disputed[0] < outline.disputed[1];
+        let mut reach = None;
+        if needs_reach {
+            let Receiver { u, v, nearness, .. } = receiver;
+            let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
+            let size = [self.field.width, self.field.height];
+            reach = Reach::within(self.geometry, outline.greatest, size, &extent);
+            let Some(reach) = reach else { return 0.0 };
+            self.counters.cut_by_border += u32::from(reach.is_cut);
+        }
+        if let Some(Reach { places, .. }) = reach
+            && !outline.is_shared
+        {
+            let (sum, hidden) = self.own(ops, &receiver, &seen, places);
+            return blocked_fraction(hidden, sum);
+        }
+        let [first, end] = outline.groups;
+        let mut total = sum(&seen, &self.outlines.segments, first..end, true);
+        if let Some(Reach { places, .. }) = reach {
+            total = total.wrapping_add(self.disputed(ops, &outline, &receiver, &seen, places));
+        }
+        let Outlines { segments, cells, disputed, .. } = &*self.outlines;
+        let hidden = if disputed.part(outline.disputed).contains(&cell) {
+            self.hides_center(ops, &receiver, cell)
+        } else {
+            let cell = cells.part(outline.cells).iter().find(|other| other.at == cell);
+            let [first, end] = cell.map_or([0; 2], |cell| cell.segments);
+            hides_center(self.field, &receiver, segments, first..end)
+        };
+        blocked_fraction(hidden, total)
+    }
+
+    /// The sum over the receiver's own outline in the disputed cells of `places`.
+    #[inline(always)]
+    fn disputed(
+        &mut self,
+        ops: &impl Ops,
+        group: &Outline,
+        receiver: &Receiver,
+        seen: &Seen,
+        places: Places,
+    ) -> i32 {
+        let Outlines { disputed, own, .. } = &mut *self.outlines;
+        let test = Test::of(receiver);
+        let mut total = 0_i32;
+        own.clear();
+        for &at in disputed.part(group.disputed) {
+            if !places.hold(at) {
+                continue;
+            }
+            if own.is_full() {
+                total = total.wrapping_add({
+                    let groups = own.pad();
+                    sum(seen, own, 0..groups, false)
+                });
+                own.clear();
+            }
+            let bits = cell_bits(ops, self.field, &test, at);
+            if !is_uniform(&bits) {
+                outline(self.field, at, &bits, own);
+            }
+        }
+        let groups = own.pad();
+        total.wrapping_add(sum(seen, own, 0..groups, false))
+    }
+
+    /// The sum over all of the receiver's own outline, and whether it hides the disc's middle.
+    #[inline(always)]
+    fn own(
+        &mut self,
+        ops: &impl Ops,
+        receiver: &Receiver,
+        seen: &Seen,
+        places: Places,
+    ) -> (i32, bool) {
+        let Receiver { u, v, nearness, .. } = *receiver;
+        let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
+        let leaf_test = LeafTest::new(
+            self.geometry,
+            &extent,
+            &receiver.planes(),
+            [self.field.width, self.field.height],
+        );
+        let tests = [Test::of(receiver)];
+        let cell = cell_of(u, v);
+        let Outlines { own, leaves, .. } = &mut *self.outlines;
+        let mut total = 0_i32;
+        let mut hidden = None;
+        own.clear();
+        for part in places.parts() {
+            if !leaves.find(self.pyramid, &leaf_test, part) {
+                continue;
+            }
+            for places in leaves.boxes(part, STRIP) {
+                let strip = Strip::new(ops, self.field, &tests, places);
+                for i in 0..strip.cells() {
+                    let Some((at, [bits])) = strip.divided(i) else { continue };
+                    if own.is_full() {
+                        let groups = own.pad();
+                        total = total.wrapping_add(sum(seen, own, 0..groups, false));
+                        own.clear();
+                    }
+                    let first = own.len();
+                    outline(self.field, at, &bits, own);
+                    if at == cell {
+                        hidden = Some(hides_center(self.field, receiver, own, first..own.len()));
+                    }
+                }
+            }
+        }
+        let groups = own.pad();
+        let none = || hides_center(self.field, receiver, own, 0..0);
+        (total.wrapping_add(sum(seen, own, 0..groups, false)), hidden.unwrap_or_else(none))
+    }
+
+    /// Whether the receiver lies within its own outline in the cell `at`, which it is in.
+    #[inline(always)]
+    fn hides_center(&mut self, ops: &impl Ops, receiver: &Receiver, at: [i32; 2]) -> bool {
+        let own = &mut self.outlines.own;
+        own.clear();
+        outline(self.field, at, &cell_bits(ops, self.field, &Test::of(receiver), at), own);
+        hides_center(self.field, receiver, own, 0..own.len())
+    }
+}
