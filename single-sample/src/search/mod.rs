@@ -14,13 +14,16 @@
 //! 2. A texel blocks if it is above the receiver's tangent plane and nearer to the light. No
 //!    object IDs: an object shadows itself where its geometry does, and a convex surface, whose
 //!    neighbourhood lies below its tangent planes, never.
-//! 3. The outline of the blocking texels is drawn by marching squares, and each of its pieces
-//!    contributes the integral of `1 - rho²` over the angle it spans. Straight
-//!    edges give the disc's circular segment, the "sinusoid" of section 6; layers, corners, thin
-//!    bars and both sides of the hard edge need no cases of their own.
+//! 3. Cell by cell of 8 x 8 texels, the outline of the blocking texels becomes one or two straight
+//!    segments where it is simple, and the pieces of marching squares where it is not. Each
+//!    contributes the integral of `1 - rho²` over the angle that its part within the disc spans.
+//!    Straight edges give the disc's circular segment, the "sinusoid" of section 6; layers, corners,
+//!    thin bars and both sides of the hard edge need no cases of their own.
 //! 4. What the receiver's own horizon cuts off the disc is a circular segment too. All blockers are
 //!    above the horizon, so it is simply subtracted.
-//! 5. The pyramid over the map bounds how far a search needs to go by the nearest depth in reach.
+//! 5. The pyramid over the map bounds how far a search needs to go by the nearest depth in reach, and
+//!    tells where texels may block. Receivers of a tile that share a plane share an outline, but for
+//!    cells that look different to some.
 //! 6. Where neighbouring pixels agree, searches are replaced by interpolation ([`Parameters::group`],
 //!    section 4.3). The horizon never is.
 //!
