@@ -255,6 +255,20 @@ fn comparison_of_known_pictures() {
     assert!(near(&found["rmse"], 0.0) && near(&found["max"], 0.0) && near(&found["flip"], 0.0));
 }
 
+/// A sound EXR file but for the size that its header names: 2^20 pixels along each side.
+fn vast_exr(folder: &Path) -> Vec<u8> {
+    done(folder, &["render", "blocker", "--method", "hard", "--size", "8x8", "-o", "small.exr"]);
+    let mut file = fs::read(folder.join("small.exr")).unwrap();
+    for window in ["dataWindow\0box2i\0", "displayWindow\0box2i\0"] {
+        let name = file.windows(window.len()).position(|bytes| bytes == window.as_bytes());
+        // The length of the attribute, then its least x and y.
+        let greatest = name.unwrap() + window.len() + 4 + 8;
+        let side = ((1_u32 << 20) - 1).to_le_bytes();
+        file[greatest..greatest + 8].copy_from_slice(&[side, side].concat());
+    }
+    file
+}
+
 #[test]
 fn pictures_that_cannot_be_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -267,12 +281,15 @@ fn pictures_that_cannot_be_compared() {
     fs::write(folder.path().join("broken.png"), "no picture").unwrap();
     fs::write(folder.path().join("broken.exr"), "no picture").unwrap();
     fs::write(folder.path().join("broken.pfm"), "Pf\n9999999 9999999\n-1\n").unwrap();
+    fs::write(folder.path().join("vast.exr"), vast_exr(folder.path())).unwrap();
     for (other, words) in [
         ("b.png", "different sizes: 8 x 8 and 8 x 9"),
         ("absent.png", "absent.png: "),
         ("broken.png", "broken.png: "),
         ("broken.exr", "broken.exr: "),
         ("broken.pfm", "broken.pfm: "),
+        ("vast.exr", "vast.exr: the picture needs"),
+        (".", "."),
     ] {
         let output = penumbra(folder.path(), &["compare", "a.png", other]);
         let message = String::from_utf8(output.stderr).unwrap();
