@@ -30,10 +30,13 @@ impl Cover {
         let backdrops: Vec<&Backdrop> =
             prepared.backdrops().iter().filter(|backdrop| backdrop.is_lit_by(light)).collect();
         let blocks = |triangle: &[Vec3; 3]| !backdrops.iter().any(|b| b.holds(triangle));
-        let blockers = triangles(scene).filter(blocks).flatten();
-        Cover {
-            blockers: points_around(blockers.collect()),
-            receivers: points_around(seen(scene, camera)),
+        let blockers = points_around(triangles(scene).filter(blocks).flatten().collect());
+        let receivers = points_around(seen(scene, camera));
+        // Without one of them there are no shadows, but maps all the same.
+        match (blockers.is_empty(), receivers.is_empty()) {
+            (true, _) => Cover { blockers: receivers.clone(), receivers },
+            (_, true) => Cover { receivers: blockers.clone(), blockers },
+            _ => Cover { blockers, receivers },
         }
     }
 
