@@ -40,6 +40,7 @@
 //!   least for the two outermost receivers stand for the whole run (for a receiver between them
 //!   the extreme texel lies between theirs: what this neglects is far below a texel).
 
+mod adaptive;
 mod block;
 mod bounds;
 mod frame;
@@ -60,6 +61,7 @@ use alloc::vec::Vec;
 
 use shadowmap_core::{BandSlice, Bias, Camera, Level, Threads, for_each_band};
 
+pub use adaptive::{AdaptiveOptions, AdaptiveSamples, Disagreement, disagreement};
 pub use block::Counters as IntervalCounters;
 pub use frame::{FrustumMaps, SampleMap};
 

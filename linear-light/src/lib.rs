@@ -18,7 +18,8 @@
 //! come from elsewhere take the way over polygons ([`VisibilityChannels::draw_unrelated`]).
 //!
 //! [`IntervalVisibility`] goes beyond the paper: it takes the same maps and finds the union of what
-//! all blockers hide.
+//! all blockers hide. [`AdaptiveSamples`] answers the paper's open question of how many samples a
+//! light needs.
 //!
 //! ```
 //! use glam::Vec3;
@@ -97,7 +98,10 @@ pub use counters::Counters;
 pub use diffuse::diffuse;
 pub use discontinuity::{Discontinuity, EdgeFilter};
 pub use drawn::DrawnLight;
-pub use intervals::{FrustumMaps, INTERVAL_BIAS, IntervalCounters, IntervalVisibility, SampleMap};
+pub use intervals::{
+    AdaptiveOptions, AdaptiveSamples, Disagreement, FrustumMaps, INTERVAL_BIAS, IntervalCounters,
+    IntervalVisibility, SampleMap, disagreement,
+};
 pub use shading::{SkinShadow, visibility};
 pub use skins::{SkinOptions, Transition};
 pub use views::{MAX_TANGENT, RectifiedLight, SampleViews};

@@ -69,6 +69,12 @@ impl SampleViews {
         self.view(position, self.views[0].width(), self.views[0].height())
     }
 
+    /// [`SampleViews::view_at`] for a map of another size, which sees the same with other texels.
+    #[must_use]
+    pub fn trial_view(&self, t: f32, [width, height]: [u32; 2]) -> View {
+        self.view(self.a + (self.b - self.a) * t, width, height)
+    }
+
     /// The same frustum with another number of samples.
     ///
     /// # Panics

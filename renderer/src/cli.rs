@@ -124,9 +124,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "1024")]
     pub map_size: String,
 
-    /// Samples of the light: maps of intervals and skins (2 or more, by default 3), lines of
-    /// intervals across a triangle or rect (8), maps of point-samples (16), rays per pixel of
-    /// ray-traced (256).
+    /// Samples of the light: maps of skins (2 or more, by default 3), maps of intervals (2 or more,
+    /// by default `adaptive`: 2, and more where a map between two of them shows what they do not),
+    /// lines of intervals across a triangle or rect (8), maps of point-samples (16), rays per pixel
+    /// of ray-traced (256).
     #[arg(long, value_name = "N")]
     pub samples: Option<String>,
 

@@ -16,6 +16,9 @@ use crate::scene::SceneLight;
 /// Samples of a linear light, unless told otherwise.
 const LINE_SAMPLES: u32 = 3;
 
+/// Samples of a linear light before it is known whether they suffice.
+const LEAST_SAMPLES: u32 = 2;
+
 /// Lines of a light with an area, unless told otherwise.
 const LINES: u32 = 8;
 
@@ -35,6 +38,9 @@ pub struct LightOptions {
     pub method: Option<Method>,
     /// Number of samples; by default that of the method.
     pub samples: Option<u32>,
+    /// Whether [`Method::Intervals`] finds out how many samples a line needs; that is so by default
+    /// where `samples` says nothing and the light is linear.
+    pub adaptive: bool,
     /// Side of the maps in texels.
     pub map_size: u32,
     /// A frustum by hand.
@@ -89,6 +95,8 @@ pub struct LightJob {
     pub method: Method,
     /// How many samples it takes; 1 for the methods that take one.
     pub samples: u32,
+    /// Whether more samples are taken where that many do not suffice.
+    pub adaptive: bool,
     /// Where its maps are taken from.
     pub plan: Plan,
     /// Whether its maps were fitted to hold all that can block it: receivers outside them are lit,
@@ -122,6 +130,13 @@ impl LightJob {
             )));
         }
         let has_area = matches!(shape, Light::Triangle { .. } | Light::Rectangle { .. });
+        if options.adaptive && method != Method::Intervals {
+            return Err(Error::new(format_args!(
+                "--samples adaptive: --method {method} takes a number; only intervals adapts it"
+            )));
+        }
+        let adaptive = method == Method::Intervals
+            && (options.adaptive || !has_area && options.samples.is_none());
         let samples = match (method, options.samples) {
             (Method::Intervals, samples) if has_area => samples.unwrap_or(LINES),
             (Method::Skins | Method::Intervals, Some(1)) => {
@@ -129,7 +144,8 @@ impl LightJob {
                     "--samples 1: --method {method} needs one at either end of the light, 2 at least"
                 )));
             }
-            (Method::Skins | Method::Intervals, samples) => samples.unwrap_or(LINE_SAMPLES),
+            (Method::Intervals, samples) => samples.unwrap_or(LEAST_SAMPLES),
+            (Method::Skins, samples) => samples.unwrap_or(LINE_SAMPLES),
             (Method::PointSamples, samples) => samples.unwrap_or(POINT_SAMPLES),
             (Method::RayTraced, samples) => samples.unwrap_or(RAYS),
             _ => 1,
@@ -167,6 +183,7 @@ impl LightJob {
             light: light.clone(),
             method,
             samples,
+            adaptive,
             plan,
             holds_all,
             paper: options.paper,

@@ -1,5 +1,7 @@
 //! How much memory a frame takes, told before any is taken.
 
+use linear_light::AdaptiveOptions;
+
 use crate::lighting::{LightJob, Plan};
 use crate::method::Method;
 
@@ -46,20 +48,25 @@ impl FrameSize<'_> {
         // Vertices and bins of each view, or the nodes of a tree of boxes.
         let per_triangle = 64;
         let triangles = (self.triangles as u64).saturating_mul(per_triangle);
-        let maps = maps_at_once(&light.plan);
+        let maps = maps_at_once(light);
         let maps = maps.saturating_mul(texels.saturating_mul(per_texel).saturating_add(triangles));
         maps.max(triangles)
     }
 }
 
 /// How many maps are held at the same time.
-fn maps_at_once(plan: &Plan) -> u64 {
-    let most = match plan {
+fn maps_at_once(light: &LightJob) -> u64 {
+    let of_frustum = |maps: usize| {
+        if light.adaptive { maps.max(AdaptiveOptions::default().most_samples) } else { maps }
+    };
+    let most = match &light.plan {
         Plan::Middle(views) => Some(views.len()),
         Plan::Points(points) => points.iter().map(Vec::len).max(),
         Plan::Lines(lines) => lines
             .iter()
-            .map(|(_, line)| line.frusta().iter().map(|frustum| frustum.views().len()).sum())
+            .map(|(_, line)| {
+                line.frusta().iter().map(|frustum| of_frustum(frustum.views().len())).sum()
+            })
             .max(),
         Plan::Rays => None,
     };

@@ -17,6 +17,9 @@ use crate::picture::Format;
 use crate::shade::MAX_AA;
 use crate::values::{MAX_SIZE, count, field_of_view, light, number, point, size};
 
+/// What `--samples` says to have the number of samples found.
+const ADAPTIVE: &str = "adaptive";
+
 /// Everything that `render` was asked for.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -103,7 +106,11 @@ impl Settings {
             lights: args.light.iter().map(|text| light(text)).collect::<Result<_, _>>()?,
             light_options: LightOptions {
                 method,
-                samples: samples.map(|text| count("--samples", text, 1..=65536)).transpose()?,
+                samples: samples
+                    .filter(|text| *text != ADAPTIVE)
+                    .map(|text| count("--samples", text, 1..=65536))
+                    .transpose()?,
+                adaptive: samples == Some(ADAPTIVE),
                 map_size: count("--map-size", &args.map_size, 1..=MAX_SIZE)?,
                 by_hand,
                 paper: paper_parameters(args)?,

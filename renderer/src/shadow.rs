@@ -1,9 +1,10 @@
 //! The stages of one light: its depth maps, and its visibility from every pixel.
 
+mod intervals;
+
 use glam::Vec3;
 use linear_light::{
-    FrustumMaps, INTERVAL_BIAS, IntervalVisibility, RectifiedLight, SampleMap, SkinOptions,
-    SkinShadow, VisibilityChannels,
+    IntervalVisibility, RectifiedLight, SkinOptions, SkinShadow, VisibilityChannels,
 };
 use raster::{DepthBuffer, Payload};
 use reference::{Pcf, Pcss, Samples, Tracer};
@@ -30,6 +31,8 @@ pub(crate) struct ShadowStage {
     level: Level,
     threads: Threads,
     maps: Vec<DepthBuffer>,
+    /// At most one map that only tells whether a sample is missing.
+    trial: Vec<DepthBuffer>,
     pyramid: Vec<NodeGroup>,
     intervals: IntervalVisibility,
     channels: Vec<VisibilityChannels>,
@@ -67,6 +70,7 @@ impl ShadowStage {
             level,
             threads,
             maps: Vec::new(),
+            trial: Vec::new(),
             pyramid: Vec::new(),
             intervals: IntervalVisibility::new(level, threads),
             channels: Vec::new(),
@@ -152,7 +156,7 @@ impl ShadowStage {
                     self.draw_maps(drawing, scene.prepared, &groups, log);
                     match light.method {
                         Method::Skins => self.by_skins(&scene.camera, line, log, out),
-                        _ => self.by_intervals(&scene.camera, line, log, out),
+                        _ => self.by_intervals(drawing, scene, line, light.adaptive, log, out),
                     }
                     if lines.len() > 1 {
                         timed(&mut log.times.shadow, || {
@@ -331,37 +335,6 @@ impl ShadowStage {
         });
         let (receivers, outside) = (found.receivers.into(), found.outside.into());
         log.counters.add_receivers(receivers, outside, log.holds_all);
-    }
-
-    fn by_intervals(
-        &mut self,
-        camera: &Camera<'_>,
-        light: &RectifiedLight,
-        log: &mut Log<'_>,
-        out: &mut [f32],
-    ) {
-        let frusta = light.frusta();
-        let mut maps = self.maps.iter().map(DepthBuffer::as_depth_map);
-        let samples: Vec<Vec<SampleMap<'_>>> = frusta
-            .iter()
-            .map(|frustum| {
-                let last = (frustum.views().len() - 1) as f32;
-                let maps = maps.by_ref().take(frustum.views().len()).enumerate();
-                maps.map(|(k, map)| SampleMap { t: k as f32 / last, map }).collect()
-            })
-            .collect();
-        let frusta: Vec<FrustumMaps<'_>> = frusta
-            .iter()
-            .zip(&samples)
-            .map(|(views, samples)| FrustumMaps { views, samples })
-            .collect();
-        let intervals = &mut self.intervals;
-        timed(&mut log.times.light_maps, || intervals.prepare(&frusta));
-        let found = timed(&mut log.times.shadow, || {
-            intervals.visibility(camera, &frusta, INTERVAL_BIAS, out)
-        });
-        log.counters.add_receivers(found.receivers, found.outside, log.holds_all);
-        log.counters.add("searched receivers", found.searched);
     }
 
     fn by_rays(&mut self, scene: &Scene<'_>, light: &LightJob, log: &mut Log<'_>, out: &mut [f32]) {

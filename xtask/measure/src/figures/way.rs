@@ -41,6 +41,7 @@ impl Way {
         LightOptions {
             method: Some(self.method),
             samples: Some(self.samples),
+            adaptive: false,
             map_size: self.map_size,
             by_hand: self.by_hand,
             paper: self.paper,
