@@ -84,7 +84,7 @@ impl Fragments {
     }
 }
 
-/// A triangle of less than 24 texels in width and height, set up.
+/// A triangle of less than 64 texels in width and height, set up.
 ///
 /// Its edge functions are divided by 256, rounded down: they change by multiples of 256 from texel
 /// to texel, so that no sign is lost.

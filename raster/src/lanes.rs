@@ -5,9 +5,11 @@ use crate::coverage::{SNAP_SHIFT, SUBTEXELS};
 use crate::plane::STEEPEST;
 use crate::simd::{MAX_LANES, Simd};
 
-/// Below this width and height, in 1/256 texel, a triangle is small: its edge functions fit into 32
-/// bits, and its bounds into few vectors.
-const SMALL: i32 = 24 * SUBTEXELS;
+/// Below this width and height, in 1/256 texel, a triangle is small: its bounds are a few vectors
+/// wide, and its edge functions fit into 32 bits.
+const fn small<S: Simd>() -> i32 {
+    4 * S::LANES as i32 * SUBTEXELS
+}
 
 /// A vector of triangles, snapped, and what they cover.
 pub(crate) struct Lanes<S: Simd> {
@@ -18,7 +20,7 @@ pub(crate) struct Lanes<S: Simd> {
     pub(crate) edges: [S::I; 3],
     /// The extent of each edge.
     pub(crate) delta: [[S::I; 2]; 3],
-    /// Less than [`SMALL`], with an area and something in the bounds.
+    /// Less than [`small`], with an area and something in the bounds.
     pub(crate) drawn: u32,
     /// Of these, those that cover the texels (0, 0), (1, 0), (0, 1), (1, 1) of bounds that have no
     /// others.
@@ -77,7 +79,7 @@ impl<S: Simd> Lanes<S> {
         let beyond =
             s.or_m(s.greater_i(s.sub_i(x[1], x[0]), one), s.greater_i(s.sub_i(y[1], y[0]), one));
         let is_tiny = !s.bits(beyond);
-        let limit = s.splat_i(SMALL);
+        let limit = s.splat_i(small::<S>());
         let is_small = s.bits(s.and_m(s.greater_i(limit, wide), s.greater_i(limit, high)));
         let is_small = if (grid.width as usize) < MAX_LANES { 0 } else { is_small };
         let flat = !s.bits(s.or_m(reversed, s.greater_i(area, zero)));

@@ -1,4 +1,4 @@
-//! Triangles of less than 24 texels in width and height.
+//! Triangles that are a few vectors wide.
 
 use crate::band::Rows;
 use crate::bins::Small;
