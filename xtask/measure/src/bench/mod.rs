@@ -10,6 +10,7 @@ mod raster;
 mod readme;
 mod report;
 mod search;
+mod single;
 
 pub use harness::{Bench, Group, Variant};
 
@@ -21,7 +22,12 @@ use options::Options;
 type Part = (&'static str, fn(&mut Bench));
 
 /// One part per stage, in the order of the data.
-const PARTS: &[Part] = &[("raster", raster::run), ("search", search::run), ("frame", frame::run)];
+const PARTS: &[Part] = &[
+    ("raster", raster::run),
+    ("search", search::run),
+    ("single", single::run),
+    ("frame", frame::run),
+];
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
