@@ -3,6 +3,7 @@
 mod frame;
 mod harness;
 mod instructions;
+mod linear;
 mod machine;
 mod options;
 mod page;
@@ -26,6 +27,7 @@ const PARTS: &[Part] = &[
     ("raster", raster::run),
     ("search", search::run),
     ("single", single::run),
+    ("linear", linear::run),
     ("frame", frame::run),
 ];
 

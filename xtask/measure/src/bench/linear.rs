@@ -1,0 +1,222 @@
+//! Linear lights: maps, bounds and visibility of intervals beside rays of equal error; the skins
+//! channels by rows and by polygons.
+
+use linear_light::{
+    FrustumMaps, INTERVAL_BIAS, IntervalVisibility, RectifiedLight, SampleMap, SkinOptions,
+    SkinShadow, VisibilityChannels,
+};
+use raster::{DepthBuffer, Payload, Rasterizer, Target};
+use reference::{Receivers, Samples, Tracer};
+use renderer::builtin;
+use renderer::camera::{CameraOptions, choose, view};
+use renderer::lighting::{LightJob, LightOptions, Plan};
+use renderer::method::Method;
+use renderer::prepared::Prepared;
+use renderer::scene::Scene;
+use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
+
+use super::{Bench, Group, Variant};
+
+/// Side of the camera's image.
+const SIDE: u32 = 512;
+
+/// Rays per pixel of what errors are measured against.
+const TRUTH: u32 = 1024;
+
+/// Runs the part.
+pub fn run(bench: &mut Bench) {
+    let sizes: &[u32] = if bench.quick() { &[1024] } else { &[512, 1024, 2048] };
+    for name in ["torus", "crowded"] {
+        let shot = Shot::new(name);
+        for &size in sizes {
+            intervals(bench, &shot, size, 2);
+        }
+        if !bench.quick() {
+            intervals(bench, &shot, 1024, 5);
+        }
+        skins(bench, &shot);
+    }
+}
+
+/// A scene, and what its camera sees.
+struct Shot {
+    name: &'static str,
+    scene: Scene,
+    view: View,
+    image: DepthBuffer,
+}
+
+impl Shot {
+    fn new(name: &'static str) -> Shot {
+        let scene = builtin::scene(name).expect("a built-in scene");
+        let camera = choose(&scene, &CameraOptions::default()).expect("the scene has a camera");
+        let view = view(&camera, [SIDE; 2], scene.bounds());
+        let mut image = DepthBuffer::new(SIDE, SIDE);
+        let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
+        rasterizer.draw(&view, &scene.mesh.as_mesh(), Payload::TriangleIndex, image.target());
+        Shot { name, scene, view, image }
+    }
+
+    /// The scene's linear light with maps as the program takes them.
+    fn light(&self, prepared: &Prepared<'_>, size: u32, samples: u32) -> (Light, RectifiedLight) {
+        let linear = self.scene.lights.iter();
+        let light = linear.clone().find(|light| matches!(light.light, Light::Linear { .. }));
+        let light = light.expect("the scene has a linear light");
+        let options = LightOptions {
+            method: Some(Method::Intervals),
+            samples: Some(samples),
+            map_size: size,
+            ..LightOptions::default()
+        };
+        let job = LightJob::new(light, &options, prepared, &self.view).expect("it fits");
+        match job.plan {
+            Plan::Lines(mut lines) => (light.light, lines.remove(0).1),
+            _ => unreachable!("a linear light is a line"),
+        }
+    }
+}
+
+fn draw(rasterizer: &mut Rasterizer, mesh: &Mesh<'_>, views: &[View], maps: &mut [DepthBuffer]) {
+    let mut targets: Vec<Target<'_>> = maps.iter_mut().map(DepthBuffer::target).collect();
+    rasterizer.draw_many(views, mesh, Payload::ObjectId, &mut targets);
+}
+
+/// Root of the mean squared error where the truth is between full light and full shadow.
+fn penumbra_rmse(found: &[f32], truth: &[f32]) -> f64 {
+    let penumbra = || found.iter().zip(truth).filter(|(_, truth)| (0.002..0.998).contains(*truth));
+    let sum: f64 = penumbra().map(|(found, truth)| f64::from(found - truth).powi(2)).sum();
+    (sum / penumbra().count() as f64).sqrt()
+}
+
+/// Every stage of intervals, at every level and on two threads, and rays.
+fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
+    let prepared = Prepared::new(&shot.scene);
+    let mesh = shot.scene.mesh.as_mesh();
+    let (light, line) = shot.light(&prepared, size, samples);
+    let views = &line.frusta()[0];
+    let mut maps = vec![DepthBuffer::new(size, size); samples as usize];
+    let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
+    draw(&mut rasterizer, &mesh, views.views(), &mut maps);
+    let mut drawn = maps.clone();
+    let last = (samples - 1) as f32;
+    let samples_at = maps.iter().enumerate();
+    let kept: Vec<SampleMap<'_>> = samples_at
+        .map(|(k, map)| SampleMap { t: k as f32 / last, map: map.as_depth_map() })
+        .collect();
+    let frusta = [FrustumMaps { views, samples: &kept }];
+    let surfaces = Surfaces::Table(prepared.surfaces());
+    let camera = Camera::new(&shot.view, shot.image.as_depth_map(), surfaces).expect("one size");
+    let pixels = shot.image.nearness.len();
+    let judge = |level: Level, threads: Threads| {
+        let mut intervals = IntervalVisibility::new(level, threads);
+        let mut out = vec![0.0; pixels];
+        intervals.prepare(&frusta);
+        intervals.visibility(&camera, &frusta, INTERVAL_BIAS, &mut out);
+        (intervals, out)
+    };
+    let (_, expected) = judge(Level::SCALAR, Threads::One);
+    let tracer = Tracer::new(&mesh);
+    let Receivers { positions, normals, .. } = tracer.receivers(&shot.view, Threads::Pool);
+    let trace = |rays: u32, threads: Threads, out: &mut [f32]| {
+        tracer.visibility(&light, &positions, &normals, Samples::Fixed(rays), threads, out);
+    };
+    let mut truth = vec![0.0; pixels];
+    trace(TRUTH, Threads::Pool, &mut truth);
+    let error = penumbra_rmse(&expected, &truth);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    let mut bounds = IntervalVisibility::new(Level::detect(), Threads::One);
+    let mut variants = vec![
+        Variant::new("maps", move || draw(&mut rasterizer, &mesh, views.views(), &mut drawn)),
+        Variant::new("bounds of the maps", || bounds.prepare(&frusta)),
+    ];
+    let one_thread = Level::available().map(|level| (level, Threads::One));
+    for (level, threads) in one_thread.chain([(Level::detect(), Threads::Pool)]) {
+        let (mut intervals, mut out) = judge(level, threads);
+        let name = level.kind().name();
+        assert!(out == expected, "{name} differs from the plain level");
+        let count = if threads == Threads::One { "1 thread" } else { "2 threads" };
+        let (pool, camera, frusta) = (&pool, &camera, &frusta);
+        variants.push(Variant::new(format!("visibility, {name}, {count}"), move || {
+            let mut run = || intervals.visibility(camera, frusta, INTERVAL_BIAS, &mut out);
+            match threads {
+                Threads::One => run(),
+                Threads::Pool => pool.install(run),
+            };
+        }));
+    }
+    let rays: &[u32] = if bench.quick() { &[32] } else { &[16, 32, 64] };
+    let mut errors = vec![format!("intervals {error:.4}")];
+    for &rays in rays {
+        let mut out = vec![0.0; pixels];
+        trace(rays, Threads::One, &mut out);
+        errors.push(format!("{rays} rays {:.4}", penumbra_rmse(&out, &truth)));
+        let trace = &trace;
+        variants.push(Variant::new(format!("{rays} rays per pixel"), move || {
+            trace(rays, Threads::One, &mut out);
+        }));
+    }
+    bench.note(format!(
+        "{}, {samples} maps of {size}²: penumbra RMSE of {}",
+        shot.name,
+        errors.join(", ")
+    ));
+    bench.compare(Group {
+        name: format!("{} intervals, {samples} maps of {size}", shot.name),
+        x: Some(("map side, texels", f64::from(size))),
+        work: Some((pixels as f64, "pixels")),
+        bytes: None,
+        variants,
+    });
+}
+
+/// The channels of three samples by rows and by polygons, and shading with them.
+fn skins(bench: &mut Bench, shot: &Shot) {
+    let (size, samples) = (512, 3);
+    let prepared = Prepared::new(&shot.scene);
+    let mesh = shot.scene.mesh.as_mesh();
+    let (_, line) = shot.light(&prepared, size, samples);
+    let views = &line.frusta()[0];
+    let mut maps = vec![DepthBuffer::new(size, size); samples as usize];
+    let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
+    draw(&mut rasterizer, &mesh, views.views(), &mut maps);
+    let mut drawn = maps.clone();
+    let maps: Vec<DepthMap<'_>> = maps.iter().map(DepthBuffer::as_depth_map).collect();
+    let options = |level| SkinOptions { level, threads: Threads::One, ..SkinOptions::default() };
+    let channel = |channels: &VisibilityChannels| {
+        let mut out = vec![0.0; (size * size) as usize];
+        channels.channel(1, &mut out);
+        out
+    };
+    let mut plain = VisibilityChannels::new();
+    plain.draw_rectified(views, &maps, &options(Level::SCALAR));
+    let expected = channel(&plain);
+    let mut polygons = VisibilityChannels::new();
+    let surfaces = Surfaces::Table(prepared.surfaces());
+    let camera = Camera::new(&shot.view, shot.image.as_depth_map(), surfaces).expect("one size");
+    let shadows = [SkinShadow::rectified(views, &maps, &plain, Bias::default())];
+    let mut out = vec![0.0; shot.image.nearness.len()];
+    let mut variants =
+        vec![Variant::new("maps", move || draw(&mut rasterizer, &mesh, views.views(), &mut drawn))];
+    for level in Level::available() {
+        let (mut channels, maps) = (VisibilityChannels::new(), &maps);
+        channels.draw_rectified(views, maps, &options(level));
+        let name = level.kind().name();
+        assert!(channel(&channels) == expected, "{name} differs from the plain level");
+        variants.push(Variant::new(format!("channels by rows, {name}"), move || {
+            channels.draw_rectified(views, maps, &options(level));
+        }));
+    }
+    variants.push(Variant::new("channels by polygons", || {
+        polygons.draw_unrelated(views.views(), &maps, &options(Level::detect()));
+    }));
+    variants.push(Variant::new("visibility", || {
+        linear_light::visibility(&camera, &shadows, Threads::One, &mut out);
+    }));
+    bench.compare(Group {
+        name: format!("{} skins, {samples} maps of {size}", shot.name),
+        x: None,
+        work: None,
+        bytes: None,
+        variants,
+    });
+}
