@@ -220,7 +220,17 @@ fn mask_on(args: &MaskArgs, threads: Threads) -> Result<(), Error> {
     let pyramid = pyramid.map_err(Error::new)?;
     let (width, height) = (camera.map.width(), camera.map.height());
     let mut values = vec![0.0_f32; camera.map.nearness.len()];
-    let surfaces = normals.as_deref().map_or(Surfaces::FromDepth, Surfaces::Normals);
+    let normals = normals.map_or_else(
+        || {
+            let mut normals = vec![Vec3::ZERO; values.len()];
+            let seen = camera.map.as_depth_map();
+            let seen = Camera::new(&camera.view, seen, Surfaces::FromDepth).map_err(Error::new)?;
+            timed(&mut shadow, || seen.normals_from_depth(threads, &mut normals));
+            Ok::<_, Error>(normals)
+        },
+        Ok,
+    )?;
+    let surfaces = Surfaces::Normals(&normals);
     let receivers = Camera::new(&camera.view, camera.map.as_depth_map(), surfaces);
     let receivers = receivers.map_err(Error::new)?;
     let light_map = LightMap::new(&light.view, Texels::Plain(map)).map_err(Error::new)?;

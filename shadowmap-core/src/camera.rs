@@ -9,7 +9,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub enum Surfaces<'a> {
     /// The IDs of the camera's map are object IDs. A receiver's plane is derived from the nearness
-    /// of its neighbours.
+    /// of its neighbours; [`Camera::normals_from_depth`] does that once for all.
     FromDepth,
     /// The IDs of the camera's map are object IDs, and there is one geometric normal per pixel.
     Normals(&'a [Vec3]),
@@ -104,46 +104,6 @@ impl Camera<'_> {
         let n = surface.normal;
         let position = self.view().world_from_texel(x as f32 + 0.5, y as f32 + 0.5, nearness);
         (surface.id, Plane([n.x, n.y, n.z, -n.dot(position)]))
-    }
-
-    /// The plane through a pixel and its neighbours: nearness is affine in the image on every
-    /// plane.
-    fn plane_from_depth(&self, x: u32, y: u32, nearness: f32) -> Plane {
-        let (width, height) = (self.map().width() as usize, self.map().height() as usize);
-        let (column, row) = (x as usize, y as usize);
-        let along_x = &self.map().nearness()[row * width..][..width];
-        let dx = slope(nearness, column, width, |x| along_x[x]);
-        let along_y = &self.map().nearness()[column..];
-        let dy = slope(nearness, row, height, |y| along_y[y * width]);
-        // dx u + dy v - n + e = 0 in the camera's texel space, pulled back to the world.
-        let e = nearness - (dx * (x as f32 + 0.5) + dy * (y as f32 + 0.5));
-        let [u, v, n, q] = self.view().rows();
-        Plane(core::array::from_fn(|i| ((dx * u[i] + dy * v[i]) - n[i]) + e * q[i]))
-    }
-}
-
-/// How much less a large step counts against a neighbour than one that its own neighbour does not
-/// continue.
-const STEEP: f32 = 1.0 / 16.0;
-
-/// The slope of nearness at place `i` of a row or column of `len` values. Of the differences to
-/// either side the one that the next value goes on with lies on the pixel's own surface, if that is
-/// three pixels wide there; on a narrower one the smaller difference is likelier to.
-#[inline(always)]
-fn slope(nearness: f32, i: usize, len: usize, at: impl Fn(usize) -> f32) -> f32 {
-    let side = |next: Option<usize>, after: Option<usize>| {
-        let next = next.filter(|&i| i < len).map_or(f32::NAN, &at);
-        let after = after.filter(|&i| i < len).map_or(next, &at);
-        let (step, bend) = (next - nearness, (nearness - next) - (next - after));
-        (step, bend.abs() + step.abs() * STEEP)
-    };
-    let (before, doubt_before) = side(i.checked_sub(1), i.checked_sub(2));
-    let (after, doubt_after) = side(Some(i + 1), Some(i + 2));
-    // Written so that a side that is not there, NaN, is not taken.
-    if doubt_before < doubt_after || doubt_after.is_nan() {
-        if before.is_finite() { -before } else { 0.0 }
-    } else {
-        after
     }
 }
 

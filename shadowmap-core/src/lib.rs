@@ -44,6 +44,7 @@ mod bias;
 mod camera;
 mod depth;
 mod fit;
+mod from_depth;
 mod level;
 mod light;
 mod map;
