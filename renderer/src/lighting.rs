@@ -99,8 +99,8 @@ pub struct LightJob {
     pub adaptive: bool,
     /// Where its maps are taken from.
     pub plan: Plan,
-    /// Whether its maps were fitted to hold all that can block it: receivers outside them are lit,
-    /// and no search is cut by their border.
+    /// Whether its maps were fitted to hold all that can block it: receivers outside them are lit
+    /// as far as their own horizon lets them, and no search is cut by their border.
     pub holds_all: bool,
     /// Of [`Method::SearchPaper`].
     pub paper: paper::Parameters,

@@ -36,8 +36,8 @@ pub(crate) fn plane(g: &Geometry, x: f32, y: f32, n: f32, normal: [f32; 3]) -> [
 
 /// The receiver at the camera's point (x, y, n) with that plane in world space, of any length.
 ///
-/// Where the camera sees nothing its sky is 0; what lies behind the light, or has no finite
-/// place, has all of its sky and is nowhere near any blocker.
+/// Where the camera sees nothing its sky is 0; what lies behind the light's view, or has no finite
+/// place, has what its horizon leaves of its sky and is nowhere near any blocker.
 #[inline(always)]
 pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) -> Receiver {
     let at = |r: &[f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
@@ -68,8 +68,10 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
     let height = dot(&g.light_eye) * scale;
     let sine = height / (depth * sqrt(squared));
     let cosine = sqrt(if sine * sine < 1.0 { 1.0 - sine * sine } else { 0.0 });
+    // Behind the light the disc's distance is not known from its view, and matters little.
+    let cosine = if placed { cosine } else { 1.0 };
     let sky = disc_fraction(height / (g.radius * cosine));
-    let sky = if flat | !placed { 1.0 } else { sky };
+    let sky = if flat { 1.0 } else { sky };
     Receiver {
         u: if placed { u } else { NOWHERE },
         v: if placed { v } else { NOWHERE },
