@@ -68,8 +68,6 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
     let height = dot(&g.light_eye) * scale;
     let sine = height / (depth * sqrt(squared));
     let cosine = sqrt(if sine * sine < 1.0 { 1.0 - sine * sine } else { 0.0 });
-    // Behind the light the disc's distance is not known from its view, and matters little.
-    let cosine = if placed { cosine } else { 1.0 };
     let sky = disc_fraction(height / (g.radius * cosine));
     let sky = if flat { 1.0 } else { sky };
     Receiver {
