@@ -32,10 +32,10 @@
 //!
 //! | scene, radius | [`search`] | [`paper`], map 256² |
 //! |---|---|---|
-//! | one rectangle, 0.5 m | 0.007 | 0.06 |
-//! | torus, 0.5 m | 0.011 | 0.22 |
-//! | torus, 0.1 m | 0.026 | 0.29 |
-//! | 21 objects, 0.5 m | 0.020 | 0.26 |
+//! | one rectangle, 0.5 m | 0.006 | 0.14 |
+//! | torus, 0.5 m | 0.009 | 0.17 |
+//! | torus, 0.1 m | 0.019 | 0.27 |
+//! | 21 objects, 0.5 m | 0.021 | 0.27 |
 //!
 //! Everything is plain slices: whoever has depth maps from elsewhere describes them with a
 //! [`View`](shadowmap_core::View) each and needs no rasterizer of ours. Nothing is allocated.
