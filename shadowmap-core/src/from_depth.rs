@@ -81,7 +81,7 @@ impl Camera<'_> {
         let slopes = self.slopes(x, y, nearness);
         let Plane([a, b, c, _]) = self.plane_with(x, y, nearness, slopes);
         let normal = Vec3::new(a, b, c);
-        let length = ((a * a + b * b) + c * c).sqrt();
+        let length = libm::sqrtf((a * a + b * b) + c * c);
         let normal = normal / length;
         let normal = if normal.is_finite() { normal } else { Vec3::ZERO };
         Facet { pixel: [x, y], nearness, slopes, normal }
