@@ -85,6 +85,7 @@ mod intervals;
 mod lookup;
 #[cfg(test)]
 mod naive;
+mod rectified;
 mod shading;
 mod silhouette;
 mod skin_polygons;
@@ -102,9 +103,10 @@ pub use intervals::{
     AdaptiveOptions, AdaptiveSamples, Disagreement, FrustumMaps, INTERVAL_BIAS, IntervalCounters,
     IntervalVisibility, SampleMap, disagreement,
 };
+pub use rectified::{MAX_TANGENT, RectifiedLight};
 pub use shading::{SkinShadow, visibility};
 pub use skins::{SkinOptions, Transition};
-pub use views::{MAX_TANGENT, RectifiedLight, SampleViews};
+pub use views::SampleViews;
 
 /// The examples of the README.
 #[cfg(doctest)]
