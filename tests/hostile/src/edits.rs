@@ -41,8 +41,7 @@ fn sound() -> &'static (Gltf, Vec<String>) {
     static SOUND: OnceLock<(Gltf, Vec<String>)> = OnceLock::new();
     SOUND.get_or_init(|| {
         let file = everything();
-        let mut pointers = Vec::new();
-        collect(&file.json, String::new(), &mut pointers);
+        let pointers = file.pointers();
         (file, pointers)
     })
 }
@@ -93,20 +92,6 @@ fn remove(json: &mut Value, pointer: &str) {
             _ => {}
         },
         Some(Value::Object(members)) => drop(members.remove(member)),
-        _ => {}
-    }
-}
-
-/// The JSON pointers of all values inside `value`.
-fn collect(value: &Value, pointer: String, pointers: &mut Vec<String>) {
-    let mut visit = |member: &str, value: &Value| {
-        let pointer = format!("{pointer}/{member}");
-        pointers.push(pointer.clone());
-        collect(value, pointer, pointers);
-    };
-    match value {
-        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| visit(&i.to_string(), v)),
-        Value::Object(members) => members.iter().for_each(|(k, v)| visit(k, v)),
         _ => {}
     }
 }

@@ -30,6 +30,14 @@ impl Gltf {
         json.to_string().into_bytes()
     }
 
+    /// The JSON pointers of all values.
+    #[must_use]
+    pub fn pointers(&self) -> Vec<String> {
+        let mut pointers = Vec::new();
+        collect(&self.json, String::new(), &mut pointers);
+        pointers
+    }
+
     /// The value at a JSON pointer.
     ///
     /// # Panics
@@ -243,3 +251,17 @@ p 1
 
 /// The materials of [`OBJ`].
 pub const MTL: &str = "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\nd 0.5\n";
+
+/// The JSON pointers of all values inside `value`.
+fn collect(value: &Value, pointer: String, pointers: &mut Vec<String>) {
+    let mut visit = |member: &str, value: &Value| {
+        let pointer = format!("{pointer}/{member}");
+        pointers.push(pointer.clone());
+        collect(value, pointer, pointers);
+    };
+    match value {
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| visit(&i.to_string(), v)),
+        Value::Object(members) => members.iter().for_each(|(k, v)| visit(k, v)),
+        _ => {}
+    }
+}
