@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Command, ExitCode};
 
 use crate::features::NO_STD;
-use crate::run::{Report, cargo_command, root};
+use crate::run::{Report, cargo_command, only_full, root};
 use crate::{cross, features, fuzz, verify};
 
 const HELP: &str = "\
@@ -23,13 +23,9 @@ const FUZZ_SECONDS: u32 = 15;
 
 /// Runs all checks, and fails if one of them failed.
 pub fn run(arguments: &[String]) -> ExitCode {
-    let full = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--full"] => true,
-        _ => {
-            println!("{HELP}");
-            return ExitCode::from(2);
-        }
+    let Some(full) = only_full(arguments) else {
+        println!("{HELP}");
+        return ExitCode::from(2);
     };
     let mut report = Report::default();
     report.step("format", &mut cargo_command("fmt --all --check"));

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use crate::features::NO_STD;
-use crate::run::Report;
+use crate::run::{Report, only_full};
 use crate::targets::{
     AARCH64, BARE_METAL, I686, THUMB, Target, Toolchain, WASMS, WINDOWS, host_cargo,
 };
@@ -19,13 +19,9 @@ allowed.";
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
-    let full = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--full"] => true,
-        _ => {
-            println!("{HELP}");
-            return ExitCode::from(2);
-        }
+    let Some(full) = only_full(arguments) else {
+        println!("{HELP}");
+        return ExitCode::from(2);
     };
     let mut report = Report::default();
     check(full, &mut report);

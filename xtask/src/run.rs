@@ -22,6 +22,15 @@ pub fn cargo_command(arguments: &str) -> Command {
     command
 }
 
+/// Whether `--full` is asked for; `None` for any other argument.
+pub fn only_full(arguments: &[String]) -> Option<bool> {
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => Some(false),
+        ["--full"] => Some(true),
+        _ => None,
+    }
+}
+
 /// Whether every tool must be there, as on the hosted machines: what is skipped elsewhere is then an
 /// error.
 pub fn skips_are_errors() -> bool {
