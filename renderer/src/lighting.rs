@@ -63,6 +63,46 @@ pub enum Plan {
 }
 
 impl Plan {
+    fn new(
+        light: &SceneLight,
+        method: Method,
+        samples: u32,
+        options: &LightOptions,
+        prepared: &Prepared<'_>,
+        camera: &View,
+    ) -> Plan {
+        if method == Method::RayTraced {
+            return Plan::Rays;
+        }
+        let (shape, size) = (&light.light, options.map_size);
+        let cover = Cover::new(prepared, shape, camera);
+        let views = |point: &Light| fit(point, light.spot, options.by_hand, size, &cover);
+        match method {
+            Method::PointSamples => {
+                let middle = prepared.bounds().map_or(Vec3::ZERO, |bounds| bounds.center());
+                let points = point_lights(shape, samples, middle);
+                Plan::Points(points.iter().map(views).collect())
+            }
+            Method::Skins | Method::Intervals => {
+                let count = if has_area(shape) { SAMPLES_PER_LINE } else { samples as usize };
+                let rectified = |a, b| match options.by_hand {
+                    Some(by_hand) => RectifiedLight::from_frustum(by_hand_line(
+                        a, b, count, by_hand, size, &cover,
+                    )),
+                    None => {
+                        let blockers = cover.blockers.iter().copied();
+                        let receivers = cover.receivers.iter().copied();
+                        RectifiedLight::fit_around(a, b, count, [size; 2], blockers, receivers)
+                    }
+                };
+                let lines = lines(shape, samples as usize).unwrap_or_default();
+                let weighted = lines.iter().map(|line| (line.weight, rectified(line.a, line.b)));
+                Plan::Lines(weighted.collect())
+            }
+            _ => Plan::Middle(views(shape)),
+        }
+    }
+
     /// Whether a single window holds all that matters, rather than several around the light or
     /// one that had to end somewhere.
     fn has_one_window(&self) -> bool {
@@ -129,7 +169,7 @@ impl LightJob {
                 names.join(", ")
             )));
         }
-        let has_area = matches!(shape, Light::Triangle { .. } | Light::Rectangle { .. });
+        let has_area = has_area(shape);
         if options.adaptive && method != Method::Intervals {
             return Err(Error::new(format_args!(
                 "--samples adaptive: --method {method} takes a number; only intervals adapts it"
@@ -150,34 +190,7 @@ impl LightJob {
             (Method::RayTraced, samples) => samples.unwrap_or(RAYS),
             _ => 1,
         };
-        let middle = prepared.bounds().map_or(Vec3::ZERO, |bounds| bounds.center());
-        let size = options.map_size;
-        let cover = Cover::new(prepared, shape, camera);
-        let views = |point: &Light| fit(point, light.spot, options.by_hand, size, &cover);
-        let plan = match (method, *shape) {
-            (Method::RayTraced, _) => Plan::Rays,
-            (Method::PointSamples, _) => {
-                let points = point_lights(shape, samples, middle);
-                Plan::Points(points.iter().map(views).collect())
-            }
-            (Method::Skins | Method::Intervals, _) => {
-                let count = if has_area { SAMPLES_PER_LINE } else { samples as usize };
-                let rectified = |a, b| match options.by_hand {
-                    Some(by_hand) => RectifiedLight::from_frustum(by_hand_line(
-                        a, b, count, by_hand, size, &cover,
-                    )),
-                    None => {
-                        let blockers = cover.blockers.iter().copied();
-                        let receivers = cover.receivers.iter().copied();
-                        RectifiedLight::fit_around(a, b, count, [size; 2], blockers, receivers)
-                    }
-                };
-                let lines = lines(shape, samples as usize).unwrap_or_default();
-                let weighted = lines.iter().map(|line| (line.weight, rectified(line.a, line.b)));
-                Plan::Lines(weighted.collect())
-            }
-            _ => Plan::Middle(views(shape)),
-        };
+        let plan = Plan::new(light, method, samples, options, prepared, camera);
         let holds_all = options.by_hand.is_none() && plan.has_one_window();
         Ok(LightJob {
             light: light.clone(),
@@ -189,4 +202,9 @@ impl LightJob {
             paper: options.paper,
         })
     }
+}
+
+/// Whether a light is drawn as several lines.
+fn has_area(light: &Light) -> bool {
+    matches!(light, Light::Triangle { .. } | Light::Rectangle { .. })
 }
