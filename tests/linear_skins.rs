@@ -9,36 +9,24 @@ use linear_light::{
     VisibilityChannels, visibility,
 };
 use raster::{DepthBuffer, Payload, Rasterizer};
-use reference::{Receivers, Samples, Tracer, truth};
+use reference::{Receivers, Samples, Tracer};
+use renderer::builtin;
 use renderer::prepared::Prepared;
 use renderer::scene::Scene;
-use renderer::{builtin, camera};
 use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
-
-const PENUMBRA: std::ops::Range<f32> = 0.002..0.998;
+use workspace_tests::{PENUMBRA, Stage};
 
 /// A scene with a linear light and what a camera sees of it.
 struct Shot {
-    scene: Scene,
+    stage: Stage,
     ends: [Vec3; 2],
-    view: View,
-    image: DepthBuffer,
-    receivers: Receivers,
 }
 
 impl Shot {
     fn of(scene: Scene, size: u32) -> Shot {
-        let ends = scene.lights.iter().find_map(|light| match light.light {
-            Light::Linear { a, b } => Some([a, b]),
-            _ => None,
-        });
-        let view = camera::view(&scene.camera.unwrap(), [size; 2], scene.bounds());
-        let mut image = DepthBuffer::new(size, size);
-        let mesh = scene.mesh.as_mesh();
-        let mut rasterizer = Rasterizer::new(Level::detect(), Threads::Pool);
-        rasterizer.draw(&view, &mesh, Payload::TriangleIndex, image.target());
-        let receivers = Tracer::new(&mesh).receivers(&view, Threads::Pool);
-        Shot { ends: ends.unwrap(), view, image, receivers, scene }
+        let stage = Stage::of(scene, size);
+        let Light::Linear { a, b } = stage.linear() else { unreachable!() };
+        Shot { stage, ends: [a, b] }
     }
 
     fn new(name: &str, size: u32) -> Shot {
@@ -48,26 +36,34 @@ impl Shot {
 
     fn light(&self, samples: usize, map: u32) -> RectifiedLight {
         let [a, b] = self.ends;
-        RectifiedLight::fit(a, b, samples, [map; 2], self.scene.mesh.positions.iter().copied())
+        RectifiedLight::fit(
+            a,
+            b,
+            samples,
+            [map; 2],
+            self.stage.scene.mesh.positions.iter().copied(),
+        )
+    }
+
+    fn linear(&self) -> Light {
+        let [a, b] = self.ends;
+        Light::Linear { a, b }
     }
 
     fn truth(&self) -> Vec<f32> {
-        let Receivers { positions, normals, .. } = &self.receivers;
-        let [a, b] = self.ends;
-        let light = Light::Linear { a, b };
-        truth::cached(&self.scene.mesh.as_mesh(), positions, normals, &light, Samples::TRUTH)
+        self.stage.truth(&self.linear())
     }
 
     fn camera<R>(&self, run: impl FnOnce(&Camera<'_>) -> R) -> R {
-        let prepared = Prepared::new(&self.scene);
+        let prepared = Prepared::new(&self.stage.scene);
         let surfaces = Surfaces::Table(prepared.surfaces());
-        run(&Camera::new(&self.view, self.image.as_depth_map(), surfaces).unwrap())
+        run(&Camera::new(&self.stage.view, self.stage.image.as_depth_map(), surfaces).unwrap())
     }
 
     /// Visibility with rectified maps.
     fn skins(&self, samples: usize, map: u32, options: &SkinOptions) -> Vec<f32> {
         let light = self.light(samples, map);
-        let mesh = self.scene.mesh.as_mesh();
+        let mesh = self.stage.scene.mesh.as_mesh();
         let buffers: Vec<_> = light.frusta().iter().map(|f| draw(f.views(), &mesh)).collect();
         let maps: Vec<_> = buffers.iter().map(|b| borrowed(b)).collect();
         let drawn = |(views, maps): (_, &Vec<_>)| {
@@ -80,29 +76,28 @@ impl Shot {
         let shadows: Vec<_> = frusta
             .map(|((views, maps), c)| SkinShadow::rectified(views, maps, c, Bias::default()))
             .collect();
-        let mut out = vec![0.0; self.image.nearness.len()];
+        let mut out = vec![0.0; self.stage.image.nearness.len()];
         self.camera(|camera| visibility(camera, &shadows, options.threads, &mut out));
         out
     }
 
     /// Visibility with views that have nothing in common.
     fn unrelated(&self, views: &[View], options: &SkinOptions) -> Vec<f32> {
-        let buffers = draw(views, &self.scene.mesh.as_mesh());
+        let buffers = draw(views, &self.stage.scene.mesh.as_mesh());
         let maps = borrowed(&buffers);
         let mut channels = VisibilityChannels::new();
         channels.draw_unrelated(views, &maps, options);
         let shadow = SkinShadow::unrelated(views, &maps, &channels, Bias::default());
-        let mut out = vec![0.0; self.image.nearness.len()];
+        let mut out = vec![0.0; self.stage.image.nearness.len()];
         self.camera(|camera| visibility(camera, &[shadow], options.threads, &mut out));
         out
     }
 
     /// The baseline: as many point lights, in the middles of equal parts of the light.
     fn points(&self, samples: u16) -> Vec<f32> {
-        let Receivers { positions, normals, .. } = &self.receivers;
-        let [a, b] = self.ends;
-        let light = Light::Linear { a, b };
-        let mesh = self.scene.mesh.as_mesh();
+        let Receivers { positions, normals, .. } = &self.stage.receivers;
+        let light = self.linear();
+        let mesh = self.stage.scene.mesh.as_mesh();
         let mut out = vec![0.0; positions.len()];
         let samples = Samples::Fixed(samples.into());
         Tracer::new(&mesh).visibility(&light, positions, normals, samples, Threads::Pool, &mut out);
@@ -111,7 +106,7 @@ impl Shot {
 
     /// RMSE over all pixels that show something, and over those in the penumbra.
     fn rmse(&self, found: &[f32], truth: &[f32]) -> [f64; 2] {
-        let seen = |i: &usize| self.receivers.normals[*i] != Vec3::ZERO;
+        let seen = |i: &usize| self.stage.receivers.normals[*i] != Vec3::ZERO;
         let all = (0..truth.len()).filter(seen);
         [
             rms(all.clone(), found, truth),
@@ -158,7 +153,7 @@ fn with(transition: Transition) -> SkinOptions {
 fn blocker_against_the_closed_form() {
     let shot = Shot::new("blocker", 512);
     let found = shot.skins(2, 512, &SkinOptions::default());
-    let Receivers { positions, normals, .. } = &shot.receivers;
+    let Receivers { positions, normals, .. } = &shot.stage.receivers;
     let on_paper = |p: Vec3| {
         let a = ((-1.0 - 0.625 * p.x) / 0.375).max(-1.0);
         let b = ((1.0 - 0.625 * p.x) / 0.375).min(1.0);
@@ -265,7 +260,7 @@ fn polygons_agree_with_spans() {
             let options = with(transition);
             let light = shot.light(3, 512);
             let views = &light.frusta()[0];
-            let buffers = draw(views.views(), &shot.scene.mesh.as_mesh());
+            let buffers = draw(views.views(), &shot.stage.scene.mesh.as_mesh());
             let maps = borrowed(&buffers);
             let mut spans = VisibilityChannels::new();
             spans.draw_rectified(views, &maps, &options);
@@ -273,7 +268,7 @@ fn polygons_agree_with_spans() {
             polygons.draw_unrelated(views.views(), &maps, &options);
             let [spans, polygons] = [spans, polygons].map(|channels| {
                 let shadow = SkinShadow::rectified(views, &maps, &channels, Bias::default());
-                let mut out = vec![0.0; shot.image.nearness.len()];
+                let mut out = vec![0.0; shot.stage.image.nearness.len()];
                 shot.camera(|camera| visibility(camera, &[shadow], Threads::Pool, &mut out));
                 out
             });
