@@ -8,7 +8,7 @@ use super::frame::{Facing, Frame, Frustum};
 use super::lanes::{LANES, Ops, max, min};
 use super::receivers::{Extent, Pixels, Receivers};
 use super::rows::RowReceivers;
-use super::scan::{RowSearch, Run, Segment, fronts, scan};
+use super::scan::{RowSearch, Run, any_in_front, scan};
 use super::search::{MapSearch, Tilt};
 use super::union::Interval;
 
@@ -18,9 +18,8 @@ pub(super) struct Scratch {
     pub receivers: Receivers,
     row: RowReceivers,
     found: Vec<u32>,
+    found_of: Vec<Range<usize>>,
     maps: Vec<MapSearch>,
-    segments: Vec<Segment>,
-    segments_of: Vec<Range<usize>>,
     runs: Vec<Run>,
     runs_of: Vec<Range<usize>>,
     intervals: Vec<Interval>,
@@ -32,9 +31,8 @@ impl Scratch {
             receivers: Receivers::NONE,
             row: RowReceivers::NONE,
             found: Vec::new(),
+            found_of: Vec::new(),
             maps: Vec::new(),
-            segments: Vec::new(),
-            segments_of: Vec::new(),
             runs: Vec::new(),
             runs_of: Vec::new(),
             intervals: Vec::new(),
@@ -73,11 +71,10 @@ impl Group {
         Group { pixels, facing, tilt, extent, reference, rows }
     }
 
-    /// The rows of the group in a band, counted from the band's first.
+    /// The rows of the group in a band.
     #[inline(always)]
-    fn rows_in(&self, band: usize) -> [usize; 2] {
-        let first = self.rows[0].max(band * BAND);
-        [first - band * BAND, self.rows[1].min(band * BAND + BAND - 1) - band * BAND]
+    fn rows_in(&self, band: usize) -> Range<usize> {
+        self.rows[0].max(band * BAND)..(self.rows[1] + 1).min((band + 1) * BAND)
     }
 
     #[inline(always)]
@@ -109,12 +106,14 @@ impl Group {
         for band in self.rows[0] / BAND..=self.rows[1] / BAND {
             scratch.found.clear();
             frustum.bounds[sample].search(ops, band, &search, &mut scratch.found);
-            for &found in &scratch.found {
-                let texels = &frustum.samples[sample].map;
-                let segment = fronts(ops, texels, found, band, self.rows_in(band), &search);
-                if segment.any() {
-                    return false;
-                }
+            let map = &frustum.samples[sample].map;
+            let rows = self.rows_in(band);
+            if scratch
+                .found
+                .iter()
+                .any(|&found| any_in_front(ops, map, found, rows.clone(), &search))
+            {
+                return false;
             }
         }
         true
@@ -130,70 +129,49 @@ impl Group {
         scratch: &mut Scratch,
         visibility: &mut [f32; LANES * BAND],
     ) {
-        let Scratch {
-            receivers,
-            row,
-            found,
-            maps,
-            segments,
-            segments_of,
-            runs,
-            runs_of,
-            intervals,
-        } = scratch;
+        let Scratch { receivers, row, found, found_of, maps, runs, runs_of, intervals } = scratch;
+        let Group { facing, tilt, .. } = self;
         maps.clear();
         for (index, sample) in frustum.samples.iter().enumerate() {
             maps.push(self.map_search(frame, frustum, sample.t, frustum.span(index)));
         }
-        let last_row = frustum.size[1] as f32 - 1.0;
+        row.sort(receivers, self.pixels, self.rows, frustum.size[1] as f32 - 1.0);
         for band in self.rows[0] / BAND..=self.rows[1] / BAND {
             let rows = self.rows_in(band);
-            segments.clear();
-            segments_of.clear();
-            for (sample, map) in maps.iter().enumerate() {
-                let before = segments.len();
-                found.clear();
-                let search = map.among_bounds(frustum, &self.extent, &self.tilt);
-                frustum.bounds[sample].search(ops, band, &search, found);
-                for &found in &*found {
-                    let texels = &frustum.samples[sample].map;
-                    let segment = fronts(ops, texels, found, band, rows, &search);
-                    if segment.any() {
-                        segments.push(segment);
-                    }
-                }
-                segments_of.push(before..segments.len());
-            }
-            if segments.is_empty() {
+            if rows.clone().all(|y| row.of_row(y).is_empty()) {
                 continue;
             }
-            for in_band in rows[0]..=rows[1] {
-                if segments.iter().all(|segment| segment.front[in_band] == 0) {
-                    continue;
-                }
-                let y = band * BAND + in_band;
-                row.gather(ops, receivers, self.pixels, &self.tilt, y, last_row);
-                if row.count == 0 {
+            found.clear();
+            found_of.clear();
+            for (bounds, map) in frustum.bounds.iter().zip(&*maps) {
+                let before = found.len();
+                let search = map.among_bounds(frustum, &self.extent, tilt);
+                bounds.search(ops, band, &search, found);
+                found_of.push(before..found.len());
+            }
+            if found.is_empty() {
+                continue;
+            }
+            for y in rows {
+                let of = row.of_row(y);
+                if of.is_empty() {
                     continue;
                 }
                 runs.clear();
                 runs_of.clear();
-                let probes = row.outermost(ops);
-                for (sample, segments_of) in segments_of.iter().enumerate() {
+                let probes = row.outermost(ops, of.clone(), tilt, y);
+                for ((sample, map), found_of) in frustum.samples.iter().zip(&*maps).zip(&*found_of)
+                {
                     let before = runs.len();
-                    let map = &frustum.samples[sample].map;
-                    let width = map.width() as usize;
-                    let texels = &map.nearness()[y * width..(y + 1) * width];
-                    let here = &segments[segments_of.clone()];
-                    let search = RowSearch::new(frustum, &maps[sample], &probes);
-                    scan(ops, texels, here, in_band, &search, runs);
+                    let search = RowSearch::new(frustum, map, &probes);
+                    scan(ops, &sample.map, &found[found_of.clone()], y, map, &search, runs);
                     runs_of.push(before..runs.len());
                 }
                 if !runs.is_empty() {
-                    let facing = &self.facing;
-                    row.judge(ops, frustum, facing, maps, runs, runs_of, intervals, visibility);
+                    row.judge(ops, of, y, frustum, facing, tilt, maps, runs, runs_of, intervals);
                 }
             }
         }
+        row.take_from(visibility);
     }
 }

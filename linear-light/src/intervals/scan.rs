@@ -1,14 +1,16 @@
 //! One row of one map: the runs of texels in front of a plane, and what each of them hides.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use shadowmap_core::DepthMap;
 
-use super::bounds::{BAND, BandSearch};
+use super::bounds::BandSearch;
 use super::frame::Frustum;
 use super::lanes::{
     INDEX, LANES, Lanes, Ops, lanes, least_lane, left_neighbours, max, min, texels,
 };
+use super::rows::within;
 use super::search::MapSearch;
 
 /// How far, in texels, a surface reaches beyond the centre of its last texel before a depth
@@ -20,6 +22,10 @@ pub(super) const REACH: f32 = 1.0 / 3.0;
 /// Neighbouring texels belong to one surface if their nearness differs by at most this many times
 /// the footprint of a texel: the surface is inclined to the image by less than 83 degrees.
 pub(super) const STEEPEST: f32 = 8.0;
+
+/// Texels of disparity that stand for none: so few that a vertex hides no parameter of the light,
+/// but products with them are far from subnormal numbers, which are slow.
+const LEAST_DISPARITY: f32 = 1e-20;
 
 /// A receiver as one map sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,7 +42,7 @@ impl Probe {
     #[inline(always)]
     pub fn hidden(&self, vertex: Vertex, disparity: f32) -> f32 {
         let by = disparity * (vertex.nearness - self.nearness);
-        (vertex.column - self.u) / max(by, f32::MIN_POSITIVE)
+        (vertex.column - self.u) / max(by, LEAST_DISPARITY)
     }
 }
 
@@ -78,100 +84,62 @@ impl RowSearch {
     }
 }
 
-/// Sixteen columns of a band of a map, and which of their texels lie in front of a plane.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    start: usize,
-    /// One bit per texel, row after row.
-    pub front: [u16; BAND],
-}
-
-impl Segment {
-    pub fn any(&self) -> bool {
-        self.front != [0; BAND]
-    }
-}
-
-/// What is in front of the plane in columns `16 * number` to `16 * number + 15` of the given rows
-/// (the first and the last, counted within the band).
+/// Whether anything is in front of the plane in columns `16 * number` to `16 * number + 15` of the
+/// given rows.
 #[inline(always)]
-pub(super) fn fronts(
+pub(super) fn any_in_front(
     ops: impl Ops,
     map: &DepthMap<'_>,
     number: u32,
-    band: usize,
-    rows: [usize; 2],
+    mut rows: Range<usize>,
     search: &BandSearch,
-) -> Segment {
+) -> bool {
     let start = number as usize * LANES;
     let width = map.width() as usize;
     let [a, b, c, d] = search.plane;
     let along = lanes(|i| a * (start as f32 + (INDEX[i] + 0.5)) + d);
-    let mut front = [0; BAND];
-    for (y, front) in front.iter_mut().enumerate().take(rows[1] + 1).skip(rows[0]) {
-        let y = band * BAND + y;
+    rows.any(|y| {
         let across = b * (y as f32 + 0.5);
         let w = texels(&map.nearness()[y * width..(y + 1) * width], start);
         let above = lanes(|i| (along[i] + across) + c * w[i]);
-        *front = (ops.greater(&above, &[search.bias; LANES])
-            & ops.greater(&w, &[search.nearness; LANES])) as u16;
-    }
-    Segment { start, front }
+        let front = ops.greater(&above, &[search.bias; LANES]);
+        front & ops.greater(&w, &[search.nearness; LANES]) != 0
+    })
 }
 
-/// The texels of one run that hide the least and the most so far, lane by lane. `most` is held
-/// negated.
-#[derive(Clone, Copy)]
-struct Extremes {
-    least: Lanes,
-    least_column: Lanes,
-    most: Lanes,
-    most_column: Lanes,
-}
-
-/// The run that is being followed: none if `end` is 0.
-struct Following {
-    start: usize,
-    end: usize,
-    extremes: [Extremes; 2],
-}
-
-/// Appends the runs of a row, the `in_band`-th of its band; `segments` ascend.
+/// Appends the runs of row `y` of a map, which lie in the segments `found`; those ascend.
 #[inline(always)]
 pub(super) fn scan(
     ops: impl Ops,
-    row: &[f32],
-    segments: &[Segment],
-    in_band: usize,
+    map: &DepthMap<'_>,
+    found: &[u32],
+    y: usize,
+    front: &MapSearch,
     search: &RowSearch,
     runs: &mut Vec<Run>,
 ) {
+    let width = map.width() as usize;
+    let row = &map.nearness()[y * width..(y + 1) * width];
+    let [a, b, c, d] = front.plane;
+    let across = b * (y as f32 + 0.5);
     let [p, q] = search.probes;
-    let behind = [min(p.nearness, q.nearness); LANES];
-    let nothing = Extremes {
-        least: [f32::INFINITY; LANES],
-        least_column: [0.0; LANES],
-        most: [f32::INFINITY; LANES],
-        most_column: [0.0; LANES],
-    };
-    let mut run = Following { start: 0, end: 0, extremes: [nothing; 2] };
-    for segment in segments {
-        let mut mask = u32::from(segment.front[in_band]);
-        if mask == 0 {
-            continue;
-        }
-        let start = segment.start;
+    let behind = max(min(p.nearness, q.nearness), 0.0);
+    // The run that is being followed.
+    let mut run = 0..0;
+    for &number in found {
+        let start = number as usize * LANES;
         let w = texels(row, start);
-        mask &= ops.greater(&w, &behind);
+        let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
+        let above = lanes(|i| ((a * column[i] + d) + across) + c * w[i]);
+        let mut mask =
+            ops.greater(&above, &[front.bias; LANES]) & ops.greater(&w, &[behind; LANES]);
         if mask == 0 {
             continue;
         }
-        let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
         let left = left_neighbours(row, start);
         let step = lanes(|i| (w[i] - left[i]).abs());
         let steepest = lanes(|i| search.steepest * max(w[i], left[i]));
         let linked = ops.greater(&steepest, &step);
-        let hidden = [hidden(&p, &column, &w, search), hidden(&q, &column, &w, search)];
         while mask != 0 {
             let first = mask.trailing_zeros() as usize;
             // The texels that follow without a gap and without a step.
@@ -179,79 +147,94 @@ pub(super) fn scan(
             mask &= !(((2_u32 << more) - 1) << first);
             if !(first == 0 && run.end == start && linked & 1 != 0) {
                 if run.end > 0 {
-                    runs.push(run.close(ops, row, search));
+                    runs.push(Run::new(ops, row, run.clone(), search));
                 }
                 run.start = start + first;
-                for extremes in &mut run.extremes {
-                    extremes.least = nothing.least;
-                    extremes.most = nothing.most;
-                }
             }
             run.end = start + first + more + 1;
-            let within = [(start + first) as f32, run.end as f32];
-            run.extremes[0].add(&hidden[0], &column, within);
-            run.extremes[1].add(&hidden[1], &column, within);
         }
     }
     if run.end > 0 {
-        runs.push(run.close(ops, row, search));
+        runs.push(Run::new(ops, row, run, search));
     }
 }
 
-/// What sixteen texels hide from a receiver.
-#[inline(always)]
-fn hidden(probe: &Probe, column: &Lanes, w: &Lanes, search: &RowSearch) -> Lanes {
-    lanes(|i| probe.hidden(Vertex { column: column[i], nearness: w[i] }, search.disparity))
+/// The vertices of a run that hide the least and the most from a receiver, and how much.
+struct Extremes {
+    first: Vertex,
+    least: f32,
+    last: Vertex,
+    most: f32,
+}
+
+impl Run {
+    /// What the texels `run` of a row hide.
+    #[inline(always)]
+    fn new(ops: impl Ops, row: &[f32], run: Range<usize>, search: &RowSearch) -> Run {
+        let [p, q] = &search.probes;
+        let (mut by_p, mut by_q) =
+            (Extremes::new(row, &run, p, search), Extremes::new(row, &run, q, search));
+        for start in run.clone().step_by(LANES) {
+            let w = texels(row, start);
+            let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
+            let inside = within(run.end - start);
+            by_p.take_in(ops, p, &column, &w, inside, search.disparity);
+            by_q.take_in(ops, q, &column, &w, inside, search.disparity);
+        }
+        Run { first: [by_p.first, by_q.first], last: [by_p.last, by_q.last] }
+    }
 }
 
 impl Extremes {
-    /// Takes in the texels whose centres lie between two columns.
+    /// Of the ends of a run: most runs hide the most and the least by them.
     #[inline(always)]
-    fn add(&mut self, hidden: &Lanes, column: &Lanes, [from, to]: [f32; 2]) {
-        for i in 0..LANES {
-            let inside = column[i] > from && column[i] < to;
-            let less = inside && hidden[i] < self.least[i];
-            self.least[i] = if less { hidden[i] } else { self.least[i] };
-            self.least_column[i] = if less { column[i] } else { self.least_column[i] };
-            let more = inside && -hidden[i] < self.most[i];
-            self.most[i] = if more { -hidden[i] } else { self.most[i] };
-            self.most_column[i] = if more { column[i] } else { self.most_column[i] };
+    fn new(row: &[f32], run: &Range<usize>, probe: &Probe, search: &RowSearch) -> Extremes {
+        let left = Vertex { column: run.start as f32 + (0.5 - REACH), nearness: row[run.start] };
+        let right = Vertex { column: run.end as f32 + (REACH - 0.5), nearness: row[run.end - 1] };
+        let by_left = probe.hidden(left, search.disparity);
+        let by_right = probe.hidden(right, search.disparity);
+        if by_right > by_left {
+            Extremes { first: left, least: by_left, last: right, most: by_right }
+        } else {
+            Extremes { first: right, least: by_right, last: left, most: by_left }
         }
     }
-}
 
-impl Following {
-    /// The run, its ends included.
+    /// Takes in those of sixteen texels that lie `inside` the run.
     #[inline(always)]
-    fn close(&self, ops: impl Ops, row: &[f32], search: &RowSearch) -> Run {
-        let left = Vertex { column: self.start as f32 + (0.5 - REACH), nearness: row[self.start] };
-        let right = Vertex { column: self.end as f32 + (REACH - 0.5), nearness: row[self.end - 1] };
-        let mut run = Run::default();
-        for side in 0..2 {
-            let (extremes, probe) = (&self.extremes[side], &search.probes[side]);
-            let by_left = probe.hidden(left, search.disparity);
-            let by_right = probe.hidden(right, search.disparity);
-            let (least, mut first) =
-                if by_right < by_left { (by_right, right) } else { (by_left, left) };
-            let (most, mut last) =
-                if by_right > by_left { (by_right, right) } else { (by_left, left) };
-            let (inner, lane) = least_lane(ops, &extremes.least);
-            if inner < least {
-                first = at(row, extremes.least_column[lane]);
-            }
-            let (inner, lane) = least_lane(ops, &extremes.most);
-            if -inner > most {
-                last = at(row, extremes.most_column[lane]);
-            }
-            run.first[side] = first;
-            run.last[side] = last;
+    fn take_in(
+        &mut self,
+        ops: impl Ops,
+        probe: &Probe,
+        column: &Lanes,
+        w: &Lanes,
+        inside: u32,
+        disparity: f32,
+    ) {
+        // Without a division, whether there is one at all.
+        let away = lanes(|i| column[i] - probe.u);
+        let by = lanes(|i| max(disparity * (w[i] - probe.nearness), LEAST_DISPARITY));
+        let less = ops.greater(&lanes(|i| self.least * by[i]), &away) & inside;
+        let more = ops.greater(&away, &lanes(|i| self.most * by[i])) & inside;
+        if less | more == 0 {
+            return;
         }
-        run
+        let hidden = lanes(|i| away[i] / by[i]);
+        if less != 0 {
+            let keys = ops.select(less, &hidden, &[f32::INFINITY; LANES]);
+            let (least, lane) = least_lane(ops, &keys);
+            if least < self.least {
+                self.least = least;
+                self.first = Vertex { column: column[lane], nearness: w[lane] };
+            }
+        }
+        if more != 0 {
+            let keys = ops.select(more, &lanes(|i| -hidden[i]), &[f32::INFINITY; LANES]);
+            let (most, lane) = least_lane(ops, &keys);
+            if -most > self.most {
+                self.most = -most;
+                self.last = Vertex { column: column[lane], nearness: w[lane] };
+            }
+        }
     }
-}
-
-/// The surface at a texel's centre.
-#[inline(always)]
-fn at(row: &[f32], column: f32) -> Vertex {
-    Vertex { column, nearness: row[column as usize] }
 }

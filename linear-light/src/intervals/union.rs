@@ -1,6 +1,6 @@
 //! How much of the light a few intervals hide, for sixteen receivers at a time.
 
-use super::lanes::{LANES, Lanes, lanes, max, min};
+use super::lanes::{LANES, Lanes, Ops, max};
 
 /// A blocked interval of the light per receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,9 +14,9 @@ const FEW: usize = 24;
 
 /// The length of the union of `intervals`, none of which begins before `begin`, per receiver.
 #[inline(always)]
-pub(super) fn union_length(intervals: &mut [Interval], begin: f32) -> Lanes {
+pub(super) fn union_length(ops: impl Ops, intervals: &mut [Interval], begin: f32) -> Lanes {
     if intervals.len() <= FEW {
-        sort_few(intervals);
+        sort_few(ops, intervals);
     } else {
         sort_many(intervals);
     }
@@ -32,20 +32,21 @@ pub(super) fn union_length(intervals: &mut [Interval], begin: f32) -> Lanes {
     length
 }
 
-/// Insertion sort by `from`, in all lanes at once.
+/// Insertion sort by `from`, in all lanes at once. Runs come from left to right, so that little is
+/// out of order.
 #[inline(always)]
-fn sort_few(intervals: &mut [Interval]) {
+fn sort_few(ops: impl Ops, intervals: &mut [Interval]) {
     for sorted in 1..intervals.len() {
         for at in (1..=sorted).rev() {
             let (a, b) = (intervals[at - 1], intervals[at]);
-            intervals[at - 1] = Interval {
-                from: lanes(|i| min(b.from[i], a.from[i])),
-                to: lanes(|i| if b.from[i] < a.from[i] { b.to[i] } else { a.to[i] }),
-            };
-            intervals[at] = Interval {
-                from: lanes(|i| if b.from[i] < a.from[i] { a.from[i] } else { b.from[i] }),
-                to: lanes(|i| if b.from[i] < a.from[i] { a.to[i] } else { b.to[i] }),
-            };
+            let later = ops.greater(&a.from, &b.from);
+            if later == 0 {
+                break;
+            }
+            let choose = |a: &Lanes, b: &Lanes| ops.select(later, a, b);
+            intervals[at - 1] =
+                Interval { from: choose(&b.from, &a.from), to: choose(&b.to, &a.to) };
+            intervals[at] = Interval { from: choose(&a.from, &b.from), to: choose(&a.to, &b.to) };
         }
     }
 }
