@@ -11,6 +11,14 @@ use super::receiver::{Receiver, plane, receiver};
 /// How much nearness may differ from the plane, relatively.
 const FLAT: f32 = 1.0 / 131072.0;
 
+/// What a tile shows.
+pub(crate) enum Shown {
+    Nothing,
+    /// One plane and nothing else.
+    Plane(Planar),
+    Other,
+}
+
 /// What is known of a planar tile.
 pub(crate) struct Planar {
     /// The receiver of its first pixel.
@@ -18,26 +26,43 @@ pub(crate) struct Planar {
     pub extent: Extent,
 }
 
-/// Looks whether a tile shows one plane, by its surface and the nearness of all pixels.
+/// Looks whether a tile shows nothing, or one plane by its surface and the nearness of all pixels.
 pub(crate) struct FindPlanar<'a> {
     pub camera: &'a Camera<'a>,
     pub geometry: &'a Geometry,
     /// The first pixel.
     pub pixel: [u32; 2],
     pub grid: &'a Grid,
-    pub found: &'a mut Option<Planar>,
+    pub found: &'a mut Shown,
 }
 
 impl Work for FindPlanar<'_> {
     #[inline(always)]
     fn run(self, _: &impl Ops) {
-        *self.found = self.find();
+        *self.found = match self.plane() {
+            Some(planar) => Shown::Plane(planar),
+            None if self.is_empty() => Shown::Nothing,
+            None => Shown::Other,
+        };
     }
 }
 
 impl FindPlanar<'_> {
+    /// Whether the camera sees nothing in all of the tile.
     #[inline(always)]
-    fn find(&self) -> Option<Planar> {
+    fn is_empty(&self) -> bool {
+        let Grid { width, height, .. } = *self.grid;
+        let [left, top] = self.pixel.map(|at| at as usize);
+        let map = self.camera.map();
+        (top..top + height).all(|y| {
+            let row = &map.nearness()[y * map.width() as usize + left..][..width];
+            // False for NaN.
+            !row.iter().fold(false, |any, &nearness| any | (nearness > 0.0))
+        })
+    }
+
+    #[inline(always)]
+    fn plane(&self) -> Option<Planar> {
         let Grid { width, height, .. } = *self.grid;
         let [left, top] = self.pixel;
         let map = self.camera.map();

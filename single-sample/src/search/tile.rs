@@ -11,7 +11,7 @@ use super::kernels;
 use super::leaves::{FindBlockers, LeafTest};
 use super::outline::Places;
 use super::outlines::{FindOutlines, Outlines};
-use super::planar::{FindPlanar, Planar};
+use super::planar::{FindPlanar, Planar, Shown};
 use super::reach::Reach;
 use super::soa::{Pixels, Receivers, SetReceivers};
 use super::tile_search::SearchTile;
@@ -71,9 +71,10 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     };
     counters.tiles += 1;
     let whole = whole(scene, [left, top], &grid);
-    if let Whole::Decided(visible) = whole {
+    if let Whole::Decided { visible, receivers, outside } = whole {
         counters.decided_tiles += 1;
-        counters.receivers += (grid.width * grid.height) as u32;
+        counters.receivers += receivers;
+        counters.outside += outside;
         for row in 0..grid.height {
             out[row * image + left as usize..][..grid.width]
                 .fill(V::from_pixel(visible, Found::Decided));
@@ -137,40 +138,51 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
 /// What is known of a tile at once.
 enum Whole {
     /// All of its pixels have this visibility.
-    Decided(f32),
+    Decided {
+        visible: f32,
+        receivers: u32,
+        outside: u32,
+    },
     /// It shows one plane, above whose horizon all of the light is.
     OnePlane,
     Mixed,
 }
 
-/// Looks whether a tile shows one plane, and if so, whether it is all lit or turned away from the
-/// light.
+/// Looks whether a tile shows nothing, or one plane that is all lit or turned away from the light.
 fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole {
     let geometry = &scene.geometry;
-    let mut found = None;
+    let mut shown = Shown::Other;
     let camera = &scene.camera;
-    kernels::run(scene.level, FindPlanar { camera, geometry, pixel, grid, found: &mut found });
-    let Some(Planar { first, extent }) = found else { return Whole::Mixed };
-    let size = [scene.field.width, scene.field.height];
+    kernels::run(scene.level, FindPlanar { camera, geometry, pixel, grid, found: &mut shown });
+    let Planar { first, extent } = match shown {
+        Shown::Nothing => return Whole::Decided { visible: 0.0, receivers: 0, outside: 0 },
+        Shown::Plane(planar) => planar,
+        Shown::Other => return Whole::Mixed,
+    };
+    let receivers = (grid.width * grid.height) as u32;
     // Of the disc in units of its radius; beyond 1 by more than rounding errors.
     let horizon = first.hn * geometry.unit / geometry.radius;
     if horizon < -1.0001 {
-        return Whole::Decided(0.0);
+        return Whole::Decided { visible: 0.0, receivers, outside: 0 };
     }
-    // Pixels outside the map are counted one by one.
-    let is_inside = extent.u[0] >= 0.0
-        && extent.v[0] >= 0.0
-        && extent.u[1] < size[0] as f32
-        && extent.v[1] < size[1] as f32;
-    if !is_inside || horizon.is_nan() || horizon <= 1.0001 {
+    let size = [scene.field.width, scene.field.height];
+    let is_within = |[low, high]: [f32; 2], size: i32| low >= 0.0 && high < size as f32;
+    let is_beyond = |[low, high]: [f32; 2], size: i32| high < 0.0 || low >= size as f32;
+    let is_inside = is_within(extent.u, size[0]) && is_within(extent.v, size[1]);
+    let is_outside = is_beyond(extent.u, size[0]) || is_beyond(extent.v, size[1]);
+    // Pixels on both sides of the border are counted one by one.
+    let is_split = !is_inside && !is_outside;
+    if is_split || horizon.is_nan() || horizon <= 1.0001 {
         return Whole::Mixed;
     }
+    let outside = if is_outside { receivers } else { 0 };
+    let lit = Whole::Decided { visible: 1.0, receivers, outside };
     let Some(reach) = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent) else {
-        return Whole::Decided(1.0);
+        return lit;
     };
     let test = LeafTest::new(geometry, &extent, &first.planes(), size);
     match may_block(scene, test, reach.places) {
-        false => Whole::Decided(1.0),
+        false => lit,
         true if is_seen(first.hn * 0.5) => Whole::OnePlane,
         true => Whole::Mixed,
     }
