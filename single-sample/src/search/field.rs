@@ -2,7 +2,6 @@
 
 use shadowmap_core::View;
 
-use super::receiver::Receiver;
 use crate::LightMap;
 
 /// Columns of texels that are tested at a time.
@@ -73,23 +72,6 @@ pub(crate) struct Field<'a, T> {
     pub texels: &'a [T],
     pub width: i32,
     pub height: i32,
-}
-
-/// Which texels block a receiver: those above its plane ([`Receiver::above`]) and nearer than it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Test {
-    pub hu: f32,
-    pub hv: f32,
-    pub hn: f32,
-    pub above: f32,
-    pub nearness: f32,
-}
-
-impl Test {
-    pub fn of(receiver: &Receiver) -> Test {
-        let Receiver { hu, hv, hn, above, nearness, .. } = *receiver;
-        Test { hu, hv, hn, above, nearness }
-    }
 }
 
 impl<'a, T: Texel> Field<'a, T> {

@@ -1,4 +1,4 @@
-//! Receivers of a tile that share a plane.
+//! Receivers of a tile that share a plane, or at least an object.
 
 use super::adaptive::COUNT;
 use super::soa::{Pixels, Receivers};
@@ -6,19 +6,137 @@ use super::soa::{Pixels, Receivers};
 /// How many groups there may be. The last one is for whatever fits no other.
 pub(crate) const GROUPS: usize = 9;
 
-/// Index of the group of receivers that share nothing.
-pub(crate) const LONERS: usize = GROUPS - 1;
+/// Index of the group of whatever fits no other.
+const OTHERS: usize = GROUPS - 1;
+
+/// How many groups of one plane there may be.
+const PLANES: usize = 6;
 
 /// The group of pixels that see nothing of the light.
 const NO_GROUP: u8 = u8::MAX;
 
-/// Fewer receivers than this are better off on their own.
-const FEW: u32 = 8;
+/// Planes of fewer receivers than this are not worth a group of their own.
+const FEW: usize = 32;
+
+/// How many surfaces are told apart.
+const SURFACES: usize = 32;
 
 /// Which group each pixel belongs to.
 pub(crate) struct Groups {
     of: [u8; COUNT],
     pub members: [u32; GROUPS],
+}
+
+/// What pixels of one plane have in common, since one object hardly ever shows parallel planes.
+#[derive(Clone, Copy, PartialEq)]
+struct Surface {
+    id: u32,
+    normal: [f32; 3],
+}
+
+/// Pixels side by side with the same surface.
+#[derive(Clone, Copy)]
+struct Run {
+    first: u8,
+    surface: u8,
+}
+
+/// The surfaces of a tile.
+struct Surfaces {
+    list: [Surface; SURFACES],
+    /// Pixels of each; the last counts what the list has no room for.
+    pixels: [usize; SURFACES + 1],
+    len: usize,
+    runs: [Run; COUNT],
+    runs_len: usize,
+}
+
+impl Surfaces {
+    #[inline(always)]
+    fn of(pixels: &Pixels) -> Surfaces {
+        let [a, b, c, _] = &pixels.planes;
+        let ids = &pixels.ids;
+        // Neighbours mostly share a surface.
+        let mut is_new = [1_u8; COUNT];
+        for i in 1..COUNT {
+            let differs = (a[i] != a[i - 1])
+                | (b[i] != b[i - 1])
+                | (c[i] != c[i - 1])
+                | (ids[i] != ids[i - 1]);
+            is_new[i] = u8::from(differs);
+        }
+        let none = Surface { id: 0, normal: [f32::NAN; 3] };
+        let mut surfaces = Surfaces {
+            list: [none; SURFACES],
+            pixels: [0; SURFACES + 1],
+            len: 0,
+            runs: [Run { first: 0, surface: 0 }; COUNT],
+            runs_len: 0,
+        };
+        for (i, eight) in is_new.as_chunks::<8>().0.iter().enumerate() {
+            let mut eight = u64::from_le_bytes(*eight);
+            while eight != 0 {
+                let first = i * 8 + eight.trailing_zeros() as usize / 8;
+                eight &= eight - 1;
+                let surface = Surface { id: ids[first], normal: [a[first], b[first], c[first]] };
+                surfaces.add(first, surface);
+            }
+        }
+        surfaces.finish(COUNT);
+        surfaces
+    }
+
+    /// Begins a run.
+    #[inline(always)]
+    fn add(&mut self, first: usize, surface: Surface) {
+        self.finish(first);
+        let list = &self.list[..self.len];
+        let known = list.iter().rposition(|other| *other == surface);
+        let surface = known.unwrap_or_else(|| {
+            let place = self.len;
+            if place < SURFACES {
+                self.list[place] = surface;
+                self.len += 1;
+            }
+            place
+        });
+        self.runs[self.runs_len] = Run { first: first as u8, surface: surface as u8 };
+        self.runs_len += 1;
+    }
+
+    /// Ends the present run.
+    #[inline(always)]
+    fn finish(&mut self, end: usize) {
+        if let Some(last) = self.runs[..self.runs_len].last() {
+            self.pixels[usize::from(last.surface)] += end - usize::from(last.first);
+        }
+    }
+
+    /// The group of each surface.
+    #[inline(always)]
+    fn groups(&self) -> [u8; SURFACES + 1] {
+        let mut groups = [OTHERS as u8; SURFACES + 1];
+        let (mut planes, mut objects) = (0, [0; OTHERS - PLANES]);
+        let mut objects_len = 0;
+        for (i, surface) in self.list[..self.len].iter().enumerate() {
+            if self.pixels[i] >= FEW && planes < PLANES {
+                groups[i] = planes as u8;
+                planes += 1;
+                continue;
+            }
+            let known = objects[..objects_len].iter().position(|id| *id == surface.id);
+            let object = known.unwrap_or(objects_len);
+            if object == objects.len() {
+                continue;
+            }
+            if known.is_none() {
+                objects[object] = surface.id;
+                objects_len += 1;
+            }
+            groups[i] = (PLANES + object) as u8;
+        }
+        groups
+    }
 }
 
 impl Groups {
@@ -47,61 +165,22 @@ impl Groups {
         self.members[0] = count as u32;
     }
 
-    /// Forms the groups: by object and normal, since one object hardly ever shows parallel planes.
+    /// Forms the groups.
+    #[inline(always)]
     pub fn set(&mut self, pixels: &Pixels, receivers: &Receivers) {
-        let [a, b, c, _] = &pixels.planes;
-        let ids = &pixels.ids;
-        // Neighbours mostly share a surface.
-        let mut is_new = [true; COUNT];
-        for i in 1..COUNT {
-            is_new[i] = (a[i] != a[i - 1])
-                | (b[i] != b[i - 1])
-                | (c[i] != c[i - 1])
-                | (ids[i] != ids[i - 1]);
+        let surfaces = Surfaces::of(pixels);
+        let groups = surfaces.groups();
+        let runs = &surfaces.runs[..surfaces.runs_len];
+        for (i, run) in runs.iter().enumerate() {
+            let end = runs.get(i + 1).map_or(COUNT, |next| usize::from(next.first));
+            self.of[usize::from(run.first)..end].fill(groups[usize::from(run.surface)]);
         }
-        let mut own = [NO_GROUP; COUNT];
         for i in 0..COUNT {
-            // Not seen from above: no plane to compare texels with.
-            let loner = if is_seen(receivers.hn[i]) { 0 } else { LONERS as u8 };
-            own[i] = if receivers.sky[i] > 0.0 { loner } else { NO_GROUP };
+            self.of[i] = if receivers.sky[i] > 0.0 { self.of[i] } else { NO_GROUP };
         }
-        let mut surfaces = [(0, [f32::NAN; 3]); LONERS];
-        self.members = [0; GROUPS];
-        let (mut count, mut group) = (0, LONERS);
-        for i in 0..COUNT {
-            if is_new[i] {
-                let surface = (ids[i], [a[i], b[i], c[i]]);
-                let known = surfaces[..count].iter().position(|other| *other == surface);
-                group = known.unwrap_or(count);
-                if known.is_none() && count < LONERS {
-                    surfaces[count] = surface;
-                    count += 1;
-                }
-            }
-            let of = if own[i] == 0 { group as u8 } else { own[i] };
-            self.of[i] = of;
-            if of != NO_GROUP {
-                self.members[usize::from(of)] += 1;
-            }
-        }
-        let mut is_small = [false; GROUPS];
-        for group in 0..LONERS {
-            if (1..FEW).contains(&self.members[group]) {
-                is_small[group] = true;
-                self.members[LONERS] += core::mem::take(&mut self.members[group]);
-            }
-        }
-        if is_small.contains(&true) {
-            for of in &mut self.of {
-                if is_small.get(usize::from(*of)) == Some(&true) {
-                    *of = LONERS as u8;
-                }
-            }
+        for (group, members) in self.members.iter_mut().enumerate() {
+            let count: u16 = self.of.iter().map(|&of| u16::from(of == group as u8)).sum();
+            *members = u32::from(count);
         }
     }
-}
-
-/// Whether a plane is seen well enough from above to compare texels with it.
-pub(crate) fn is_seen(hn: f32) -> bool {
-    hn > 1e-3
 }

@@ -6,7 +6,7 @@ use super::cell::{CELL, SAME_LAYER};
 use super::geometry::Geometry;
 use super::kernels::{Ops, Work};
 use super::outline::Places;
-use super::planes::Plane;
+use super::planes::Planes;
 use super::reach::Extent;
 
 const WIDTH: i32 = Pyramid::LEAF[0] as i32;
@@ -21,7 +21,7 @@ const MOST_PLACES: [i32; 2] =
     [(SIDE as i32 - 2 * GROUP) * WIDTH, (SIDE as i32 - 2 * GROUP) * HEIGHT];
 
 /// Column and row of each leaf in its group, in texels.
-const CELLS: [[f32; LANES]; 2] = {
+pub(crate) const CELLS: [[f32; LANES]; 2] = {
     let mut cells = [[0.0; LANES]; 2];
     let mut i = 0;
     while i < LANES {
@@ -43,85 +43,128 @@ const BEFORE: f32 = CELL as f32 * 0.5;
 /// What receivers ask of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeafTest {
-    /// Where they are, with room for rounding.
+    /// Where they are.
     u: [f32; 2],
     v: [f32; 2],
     /// Their least nearness, and the square of their disc's greatest radius per nearness above it.
     nearness: f32,
     spread_squared: f32,
-    /// A plane below all of theirs: nearness at texel coordinates (0, 0), and slopes.
-    plane: f32,
-    slope: [f32; 2],
-    /// A plane above all of theirs, with the same slopes, and their greatest nearness.
-    above: f32,
+    /// Bounds on their planes, and their greatest nearness.
+    planes: Planes,
     most: f32,
     /// The size of the map.
     size: [f32; 2],
 }
 
 impl LeafTest {
-    /// For receivers in `extent`, whose planes lie between two of the same slope wherever they look,
-    /// in a map of that size. If the planes are not finite, they count for nothing.
+    /// For receivers in `extent` with these planes, in a map of that size.
     #[inline(always)]
-    pub fn new(
-        g: &Geometry,
-        extent: &Extent,
-        [low, high]: &[Plane; 2],
-        size: [i32; 2],
-    ) -> LeafTest {
+    pub fn new(g: &Geometry, extent: &Extent, planes: &Planes, size: [i32; 2]) -> LeafTest {
         let spread = g.spread[0].max(g.spread[1]) * g.greatest_stretch(extent);
-        let Plane { origin, slope } = *low;
-        let all = (slope[0].abs() + slope[1].abs()) + (origin.abs() + high.origin.abs());
-        let is_usable = all < 1e9;
         LeafTest {
-            u: [extent.u[0] - ROOM, extent.u[1] + ROOM],
-            v: [extent.v[0] - ROOM, extent.v[1] + ROOM],
+            u: extent.u,
+            v: extent.v,
             nearness: extent.nearness[0],
             spread_squared: spread * spread,
-            plane: if is_usable { origin } else { f32::NEG_INFINITY },
-            slope: if is_usable { slope } else { [0.0; 2] },
-            above: if is_usable { high.origin } else { f32::INFINITY },
+            planes: *planes,
             most: extent.nearness[1],
             size: [size[0] as f32, size[1] as f32],
         }
     }
 
-    /// Which leaves of a group may hold blockers, and in which all texels block all receivers: of
-    /// leaf i, bit i. `first` is the centre of the group's first texel.
+    /// Which leaves of a group may hold blockers, in which all texels block all receivers, and
+    /// which are likely to hold any that block all: of leaf i, bit i. `first` is the centre of the
+    /// group's first texel.
     #[inline(always)]
-    fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 2] {
-        let (last, half) = ([15.0, 7.0], [7.5, 3.5]);
-        let (mut found, mut covered) = (0, 0);
+    fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 3] {
+        let (mut found, mut covered, mut plain) = (0, 0, 0);
         for i in 0..LANES {
             let (x, y) = (first[0] + CELLS[0][i], first[1] + CELLS[1][i]);
-            let apart = |start: f32, last: f32, [from, to]: [f32; 2]| {
-                let (before, after) = (from - (start + last), start - to);
-                let apart = if before > after { before } else { after };
-                if apart > 0.0 { apart } else { 0.0 }
-            };
-            let (dx, dy) = (
-                apart(x - BEFORE, last[0] + (BEFORE + 1.0), self.u),
-                apart(y - BEFORE, last[1] + (BEFORE + 1.0), self.v),
+            let slope = [nodes.slope_x[i], nodes.slope_y[i]];
+            let is_near = self.is_near([x, y], slope, nodes.high[i], self.u, self.v, self.nearness);
+            let p = &self.planes;
+            let (u, v) = (
+                Chord::both(p.hu, x - p.at[0], Self::LAST[0]),
+                Chord::both(p.hv, y - p.at[1], Self::LAST[1]),
             );
-            let (slope_x, slope_y) = (nodes.slope_x[i], nodes.slope_y[i]);
-            let steep = slope_x.abs() * half[0] + slope_y.abs() * half[1];
-            // A segment between this leaf's blocker and one of the next.
-            let high = nodes.high[i] + steep;
-            let nearer = (high + high.abs() * SAME_LAYER) - self.nearness;
-            let is_near =
-                (nearer > 0.0) & (dx * dx + dy * dy <= self.spread_squared * (nearer * nearer));
-            let at_center =
-                self.plane + (self.slope[0] * (x + half[0]) + self.slope[1] * (y + half[1]));
-            let spread = (slope_x - self.slope[0]).abs() * half[0]
-                + (slope_y - self.slope[1]).abs() * half[1];
-            let is_above = nodes.high[i] + spread > at_center;
+            // What blocks is nearer than the least nearness.
+            let most =
+                p.hn[1] * ((if p.hn[1] > 0.0 { nodes.high[i] } else { nodes.low[i] }) - p.nearness);
+            let tilt = Self::tilt(slope.map(|slope| slope * p.hn[1]), [u[1].slope, v[1].slope]);
+            let is_above = (most + (u[1].middle + v[1].middle)) + tilt > p.above[0];
             found |= u32::from(is_near & is_above) << i;
-            let is_inside = (x + last[0] < self.size[0]) & (y + last[1] < self.size[1]);
-            let is_surely_above = nodes.low[i] - spread > at_center + (self.above - self.plane);
-            let is_surely_nearer = nodes.low[i] - steep > self.most;
+            let is_inside = (x + Self::LAST[0] < self.size[0]) & (y + Self::LAST[1] < self.size[1]);
+            let ends = [nodes.low[i], nodes.high[i]];
+            let [least, most] = if p.hn[0] > 0.0 { ends } else { [ends[1], ends[0]] };
+            let at =
+                |nearness: f32| p.hn[0] * (nearness - p.nearness) + (u[0].middle + v[0].middle);
+            let tilt = Self::tilt(slope.map(|slope| slope * p.hn[0]), [u[0].slope, v[0].slope]);
+            let is_surely_above = at(least) - tilt > p.above[1];
+            let is_surely_nearer = nodes.low[i] - Self::tilt(slope, [0.0; 2]) > self.most;
+            plain |= u32::from(at(most) + tilt > p.above[1]) << i;
             covered |= u32::from(is_inside & is_surely_above & is_surely_nearer) << i;
         }
-        [found, covered]
+        [found, covered, plain]
+    }
+
+    /// From the first texel of a leaf to its last.
+    pub const LAST: [f32; 2] = [WIDTH as f32 - 1.0, HEIGHT as f32 - 1.0];
+
+    /// How far the sum of two slopes leads up from a leaf's middle.
+    #[inline(always)]
+    pub fn tilt(slope: [f32; 2], other: [f32; 2]) -> f32 {
+        let [half_x, half_y] = Self::LAST.map(|last| last * 0.5);
+        (slope[0] + other[0]).abs() * half_x + (slope[1] + other[1]).abs() * half_y
+    }
+
+    /// Whether segments in the leaf with its first texel at (x, y), this slope and this upper bound
+    /// in its middle may reach into the disc of a receiver at u, v with at least that nearness.
+    #[inline(always)]
+    pub fn is_near(
+        &self,
+        [x, y]: [f32; 2],
+        slope: [f32; 2],
+        high: f32,
+        u: [f32; 2],
+        v: [f32; 2],
+        nearness: f32,
+    ) -> bool {
+        let apart = |start: f32, last: f32, [from, to]: [f32; 2]| {
+            let (before, after) = (from - (start + last), start - to);
+            let apart = if before > after { before } else { after };
+            if apart > 0.0 { apart } else { 0.0 }
+        };
+        let dx = apart(x - (BEFORE + ROOM), Self::LAST[0] + (BEFORE + 1.0 + 2.0 * ROOM), u);
+        let dy = apart(y - (BEFORE + ROOM), Self::LAST[1] + (BEFORE + 1.0 + 2.0 * ROOM), v);
+        // A segment between this leaf's blocker and one of the next.
+        let high = high + Self::tilt(slope, [0.0; 2]);
+        let nearer = (high + high.abs() * SAME_LAYER) - nearness;
+        (nearer > 0.0) & (dx * dx + dy * dy <= self.spread_squared * (nearer * nearer))
+    }
+}
+
+/// A linear function of one coordinate, over a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    pub middle: f32,
+    pub slope: f32,
+}
+
+impl Chord {
+    /// What all slopes in a range rise by over `from` to `from + length` is no less than the first
+    /// and no more than the second.
+    #[inline(always)]
+    pub fn both([least, most]: [f32; 2], from: f32, length: f32) -> [Chord; 2] {
+        let range = |from: f32| {
+            let (a, b) = (least * from, most * from);
+            if a < b { [a, b] } else { [b, a] }
+        };
+        let (start, end) = (range(from), range(from + length));
+        let chord = |bound: usize| Chord {
+            middle: (start[bound] + end[bound]) * 0.5,
+            slope: (end[bound] - start[bound]) * (1.0 / length),
+        };
+        [chord(0), chord(1)]
     }
 }
 
@@ -147,15 +190,18 @@ pub(crate) struct Leaves {
     rows: [u64; SIDE],
     /// The same for leaves that surely hold nothing but blockers.
     covered: [u64; SIDE],
+    /// The same for leaves that are likely to hold what blocks all receivers.
+    plain: [u64; SIDE],
     count: usize,
 }
 
 impl Leaves {
     pub const fn new() -> Leaves {
-        Leaves { first: [0; 2], rows: [0; SIDE], covered: [0; SIDE], count: 0 }
+        Leaves { first: [0; 2], rows: [0; SIDE], covered: [0; SIDE], plain: [0; SIDE], count: 0 }
     }
 
-    /// Finds the leaves of `places`, no more than [`MOST_PLACES`]; false if there are none.
+    /// Finds the leaves of `places`, no more than [`MOST_PLACES`], that may hold blockers of some of
+    /// the receivers, given all at once and maybe in parts; false if there are none.
     #[inline(always)]
     pub fn find(&mut self, pyramid: &Pyramid<'_>, test: &LeafTest, places: Places) -> bool {
         // Places of a leaf touch the texels of the next leaf, too.
@@ -167,7 +213,7 @@ impl Leaves {
         self.count = 0;
         let mut any = 0;
         for y in rows {
-            let (mut found, mut covered) = ([0_u64; GROUP as usize], [0_u64; GROUP as usize]);
+            let mut found = [[0_u64; 3]; GROUP as usize];
             for x in columns.clone() {
                 let Some(nodes) =
                     (x >= 0 && y >= 0).then(|| pyramid.leaves(x as u32, y as u32)).flatten()
@@ -177,28 +223,50 @@ impl Leaves {
                 let first = [x * GROUP * WIDTH, y * GROUP * HEIGHT].map(|at| at as f32 + 0.5);
                 let leaves = test.judge(first, nodes);
                 let shift = x * GROUP - self.first[0];
-                for row in 0..GROUP as usize {
-                    let part =
-                        |leaves: u32| u64::from(leaves >> (row as i32 * GROUP) & 0xf) << shift;
-                    found[row] |= part(leaves[0]);
-                    covered[row] |= part(leaves[1]);
+                for (row, found) in found.iter_mut().enumerate() {
+                    for (found, leaves) in found.iter_mut().zip(leaves) {
+                        *found |= u64::from(leaves >> (row as i32 * GROUP) & 0xf) << shift;
+                    }
                 }
             }
-            for (found, covered) in found.into_iter().zip(covered) {
+            for [found, covered, plain] in found {
                 any |= found;
                 self.rows[self.count] = found;
                 self.covered[self.count] = covered;
+                self.plain[self.count] = plain;
                 self.count += 1;
             }
         }
         // Places of a leaf touch the texels of three others.
         for y in 0..self.count {
-            let is_last = y + 1 == self.count;
-            let below = if is_last { [0; 2] } else { [self.rows[y + 1], self.covered[y + 1]] };
-            let (any, all) = (self.rows[y] | below[0], self.covered[y] & below[1]);
+            let below = |rows: &[u64; SIDE]| if y + 1 == self.count { 0 } else { rows[y + 1] };
+            let any = self.rows[y] | below(&self.rows);
+            let all = self.covered[y] & below(&self.covered);
+            let plain = self.plain[y] | below(&self.plain);
             self.rows[y] = (any | any >> 1) & !(all & all >> 1);
+            self.plain[y] = plain | plain >> 1;
         }
         any != 0
+    }
+
+    /// Takes out the leaves whose places hardly hold what looks the same to all receivers. Gives
+    /// `visit` the first texel of each of their cells in `places`.
+    #[inline(always)]
+    pub fn take_contested(&mut self, places: &Places, mut visit: impl FnMut([i32; 2])) {
+        for y in 0..self.count {
+            let mut contested = self.rows[y] & !self.plain[y];
+            self.rows[y] &= self.plain[y];
+            let top = (self.first[1] + y as i32) * HEIGHT;
+            while contested != 0 {
+                let left = (self.first[0] + contested.trailing_zeros() as i32) * WIDTH;
+                contested &= contested - 1;
+                for x in (left..left + WIDTH).step_by(CELL) {
+                    if places.hold([x, top]) {
+                        visit([x, top]);
+                    }
+                }
+            }
+        }
     }
 
     /// Boxes that hold all of `places` where there may be an outline, each at most `most` columns

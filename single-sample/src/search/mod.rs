@@ -35,6 +35,7 @@
 
 mod adaptive;
 mod cell;
+mod disputed;
 mod field;
 mod geometry;
 mod groups;
@@ -53,6 +54,7 @@ mod soa;
 mod squares;
 #[cfg(test)]
 mod tests;
+mod texel_test;
 mod tile;
 mod tile_search;
 

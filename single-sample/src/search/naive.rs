@@ -44,7 +44,7 @@ pub(crate) fn visibility<T: Texel>(
     for row in (-(CELL as i32)..field.height).step_by(CELL) {
         for column in (-(CELL as i32)..field.width).step_by(CELL) {
             let cell = [column, row];
-            segments.clear();
+            segments.truncate(0);
             outline(field, cell, &bits(field, &receiver, cell), &mut segments);
             for i in 0..segments.len() {
                 sum = sum.wrapping_add(contribution(&seen, &segments.get(i)));

@@ -1,8 +1,9 @@
 //! Which texels block, cell by cell.
 
 use super::cell::{CELL, CellBits};
-use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Test, Texel};
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Texel};
 use super::kernels::{Bits, Ops, ROWS};
+use super::texel_test::Test;
 
 /// A box of places between four texels each: place (x, y) has texel (x, y) at its upper left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,13 +13,6 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// Texel coordinates around all texels of the places.
-    pub fn corners(&self) -> [[f32; 2]; 4] {
-        let [left, right] = [self.columns[0] as f32, self.columns[1] as f32 + 1.0];
-        let [top, bottom] = [self.rows[0] as f32, self.rows[1] as f32 + 1.0];
-        [[left, top], [right, top], [left, bottom], [right, bottom]]
-    }
-
     /// Whether they hold a cell, given by its first texel.
     #[inline(always)]
     pub fn hold(&self, [x, y]: [i32; 2]) -> bool {
@@ -57,7 +51,7 @@ impl<const TESTS: usize> Strip<TESTS> {
         for (x, passing) in (left..=right).step_by(BLOCK_COLUMNS).zip(&mut passing) {
             let block = field.block(x, top, &mut room);
             for (passing, test) in passing.iter_mut().zip(tests) {
-                *passing = ops.blocking(test, &block);
+                *passing = ops.passing(&test.limits(block.first), &block.rows);
             }
         }
         Strip { first: [left, top], cells: (right - left) as usize / CELL, passing }
@@ -109,6 +103,7 @@ pub(crate) fn cell_bits<T: Texel>(
     [x, y]: [i32; 2],
 ) -> CellBits {
     let mut room = [LANE; BLOCK_ROWS];
-    let block = ops.blocking(test, &field.block(x, y, &mut room));
+    let block = field.block(x, y, &mut room);
+    let block = ops.passing(&test.limits(block.first), &block.rows);
     cell_of_blocks(&block, &block, 0)
 }

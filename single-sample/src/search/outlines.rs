@@ -2,16 +2,16 @@
 
 use simd_search::Pyramid;
 
-use super::adaptive::COUNT;
 use super::cell::outline;
+use super::disputed::Disputed;
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
-use super::groups::{GROUPS, Groups, LONERS};
+use super::groups::{GROUPS, Groups};
 use super::integral::cell_of;
 use super::kernels::{Ops, Work};
 use super::leaves::{LeafTest, Leaves};
 use super::outline::{Places, STRIP, Strip};
-use super::planes::{Plane, bounds, extent};
+use super::planes::{Planes, extent};
 use super::reach::{Extent, Reach};
 use super::segments::{LANES, Segments};
 use super::soa::Receivers;
@@ -35,6 +35,7 @@ pub(crate) struct Outline {
     /// Groups of lanes.
     pub groups: [usize; 2],
     pub cells: [usize; 2],
+    /// Groups of lanes.
     pub disputed: [usize; 2],
 }
 
@@ -79,14 +80,13 @@ impl<T: Copy, const N: usize> List<T, N> {
 pub(crate) struct Outlines {
     /// Of each group; `None` if surely nothing blocks it.
     pub groups: [Option<Outline>; GROUPS],
-    /// The outlines in cells that look the same to all receivers of a group.
+    /// The outlines in cells that look the same to all receivers of a group. Behind them, for a
+    /// while, those of one receiver's own.
     pub segments: Segments,
     /// Of these the cells that receivers lie in.
     pub cells: List<Cell, 256>,
-    /// The cells where some texel blocks some receivers of a group and not others.
-    pub disputed: List<[i32; 2], 256>,
-    /// Memory for a receiver's own outline.
-    pub own: Segments,
+    /// The cells that look different to some receivers of a group.
+    pub disputed: Disputed,
     pub leaves: Leaves,
 }
 
@@ -96,15 +96,14 @@ impl Outlines {
             groups: [None; GROUPS],
             segments: Segments::new(),
             cells: List::new(Cell { at: [0; 2], segments: [0; 2] }),
-            disputed: List::new([0; 2]),
-            own: Segments::new(),
+            disputed: Disputed::new(),
             leaves: Leaves::new(),
         }
     }
 }
 
-/// The most disputed cells that are cheaper than an outline of each receiver's own.
-const MOST_DISPUTED: usize = 48;
+/// Cells that there is room for behind all shared segments.
+const OWN_CELLS: usize = 4;
 
 /// Finds the outlines of a tile's groups.
 pub(crate) struct FindOutlines<'a, T> {
@@ -121,9 +120,9 @@ pub(crate) struct FindOutlines<'a, T> {
 impl<T: Texel> Work for FindOutlines<'_, T> {
     #[inline(always)]
     fn run(mut self, ops: &impl Ops) {
-        self.outlines.segments.clear();
+        self.outlines.segments.truncate(0);
         self.outlines.cells.len = 0;
-        self.outlines.disputed.len = 0;
+        self.outlines.disputed.clear();
         for group in 0..GROUPS {
             let is_empty = self.groups.members[group] == 0;
             self.outlines.groups[group] = if is_empty { None } else { self.group(ops, group) };
@@ -138,13 +137,8 @@ impl<T: Texel> FindOutlines<'_, T> {
         let extent = extent(self.groups, group, self.receivers);
         let reach = Reach::new(self.geometry, self.pyramid, self.greatest, size, &extent)?;
         let own = Outline { greatest: reach.greatest, is_cut: reach.is_cut, ..Outline::NONE };
-        if group == LONERS {
-            return Some(own);
-        }
-        let first = (0..COUNT).find(|&pixel| self.groups.has(group, pixel))?;
-        let corners = reach.places.corners();
-        let bounds = bounds(self.groups, group, self.receivers, first, &corners);
-        self.shared(ops, &extent, &reach, &bounds, own)
+        let planes = Planes::of_group(self.groups, group, self.receivers, &extent, &reach);
+        self.shared(ops, &extent, &reach, &planes, own)
     }
 
     /// The outline that all receivers share; if there is no room for it, `own`.
@@ -154,15 +148,15 @@ impl<T: Texel> FindOutlines<'_, T> {
         ops: &impl Ops,
         extent: &Extent,
         reach: &Reach,
-        bounds: &[Plane; 2],
+        planes: &Planes,
         own: Outline,
     ) -> Option<Outline> {
         let Outlines { segments, cells, disputed, leaves, .. } = &mut *self.outlines;
-        // What is above the first blocks some receivers, what is above the second all of them.
-        let tests = [bounds[0].test(extent.nearness[0]), bounds[1].test(extent.nearness[1])];
+        // The first test passes what blocks some receivers, and the second what blocks all of them.
+        let tests = planes.tests(extent.nearness[1]);
         let leaf_test =
-            LeafTest::new(self.geometry, extent, bounds, [self.field.width, self.field.height]);
-        let start = [segments.len(), cells.len, disputed.len];
+            LeafTest::new(self.geometry, extent, planes, [self.field.width, self.field.height]);
+        let start = [segments.len() / LANES, cells.len, disputed.pad()];
         let [left, top] = cell_of(extent.u[0], extent.v[0]);
         let [right, bottom] = cell_of(extent.u[1], extent.v[1]);
         let receivers = Places { columns: [left, right + 1], rows: [top, bottom + 1] };
@@ -172,14 +166,23 @@ impl<T: Texel> FindOutlines<'_, T> {
                 continue;
             }
             has_leaves = true;
+            let mut fits = true;
+            let first_leaf = disputed.len();
+            leaves.take_contested(&part, |at| {
+                fits = fits && disputed.push(self.pyramid, at, first_leaf);
+            });
+            if !fits {
+                segments.pad();
+                return Some(own);
+            }
             for places in leaves.boxes(part, STRIP) {
                 let strip = Strip::new(ops, self.field, &tests, places);
                 for i in 0..strip.cells() {
                     let Some((at, [some, all])) = strip.divided(i) else { continue };
                     let first = segments.len();
                     let fits = if some != all {
-                        disputed.len - start[2] < MOST_DISPUTED && disputed.push(at)
-                    } else if segments.is_full() {
+                        disputed.push(self.pyramid, at, first_leaf)
+                    } else if !segments.has_room(OWN_CELLS) {
                         false
                     } else {
                         outline(self.field, at, &some, segments);
@@ -193,7 +196,7 @@ impl<T: Texel> FindOutlines<'_, T> {
                 }
             }
         }
-        let groups = [start[0] / LANES, segments.pad()];
+        let groups = [start[0], segments.pad()];
         for group in groups[0]..groups[1] {
             segments.bound(group);
         }
@@ -201,7 +204,7 @@ impl<T: Texel> FindOutlines<'_, T> {
             is_shared: true,
             groups,
             cells: [start[1], cells.len],
-            disputed: [start[2], disputed.len],
+            disputed: [start[2], disputed.pad()],
             ..own
         })
     }

@@ -1,29 +1,119 @@
-//! Bounds on the planes of a group of receivers.
+//! Bounds on the planes of receivers.
 
-use super::adaptive::{COUNT, TILE};
-use super::field::Test;
+use super::adaptive::TILE;
 use super::groups::Groups;
-use super::reach::Extent;
+use super::reach::{Extent, Reach};
+use super::receiver::Receiver;
 use super::soa::Receivers;
+use super::texel_test::Test;
 
-/// An affine function of texel coordinates: at (0, 0), and per texel along u and v.
+/// Room for rounding, relative to the greatest of what is added up to compare a texel with a plane.
+pub(crate) const ROUNDING: f32 = 1.0 / 524288.0;
+
+/// A range: the least and the greatest of something.
+type Bounds = [f32; 2];
+
+/// Bounds on the planes of some receivers. Above a plane are the texels with
+/// `hn (n - nearness) + hu (s - u) + hv (t - v) > above`.
+///
+/// Components of normals have narrow ranges wherever a surface is smooth, while the slope of planes
+/// that the light hardly sees from above has not.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plane {
-    pub origin: f32,
-    pub slope: [f32; 2],
+pub(crate) struct Planes {
+    /// Texel coordinates among the receivers, and their least nearness.
+    pub at: [f32; 2],
+    pub nearness: f32,
+    pub hu: Bounds,
+    pub hv: Bounds,
+    pub hn: Bounds,
+    pub above: Bounds,
 }
 
-impl Plane {
-    /// The test for texels above it that are also nearer than `nearness`.
+impl Planes {
+    /// Bounds with room for rounding on a receiver's own plane, for texels about as far from the
+    /// map's first as the receiver.
     #[inline(always)]
-    pub fn test(&self, nearness: f32) -> Test {
-        let [u, v] = self.slope;
-        Test { hu: -u, hv: -v, hn: 1.0, above: self.origin, nearness }
+    pub fn of(r: &Receiver) -> Planes {
+        let room = room(r, [r.u.abs() * 4.0, r.v.abs() * 4.0, r.nearness.abs() * 4.0]);
+        let above = r.above - (r.hn * r.nearness + (r.hu * r.u + r.hv * r.v));
+        Planes {
+            at: [r.u, r.v],
+            nearness: r.nearness,
+            hu: [r.hu; 2],
+            hv: [r.hv; 2],
+            hn: [r.hn; 2],
+            above: [above - room, above + room],
+        }
+        .if_known()
+    }
+
+    /// Bounds on those of a group with this extent and reach.
+    #[inline(always)]
+    pub fn of_group(
+        groups: &Groups,
+        group: usize,
+        r: &Receivers,
+        extent: &Extent,
+        reach: &Reach,
+    ) -> Planes {
+        let at = [extent.u, extent.v].map(|[low, high]| (low + high) * 0.5);
+        let nearness = extent.nearness[0];
+        let far = |[from, end]: [i32; 2]| from.abs().max(end.abs()) as f32 + 1.0;
+        let (columns, rows) = (far(reach.places.columns), far(reach.places.rows));
+        let far = [columns, rows, reach.greatest.abs().max(nearness.abs())];
+        let (mut hu, mut hv) = (Range::EMPTY, Range::EMPTY);
+        let (mut hn, mut above) = (Range::EMPTY, Range::EMPTY);
+        for row in 0..TILE {
+            for lane in 0..TILE {
+                let i = row * TILE + lane;
+                let counts = groups.has(group, i);
+                let r = r.get(i);
+                let room = room(&r, far);
+                let relative = r.above - (r.hn * nearness + (r.hu * at[0] + r.hv * at[1]));
+                hu.add(lane, counts, r.hu, r.hu);
+                hv.add(lane, counts, r.hv, r.hv);
+                hn.add(lane, counts, r.hn, r.hn);
+                above.add(lane, counts, relative - room, relative + room);
+            }
+        }
+        let (hu, hv, hn, above) = (hu.all(), hv.all(), hn.all(), above.all());
+        Planes { at, nearness, hu, hv, hn, above }.if_known()
+    }
+
+    /// Themselves if they are of use.
+    #[inline(always)]
+    fn if_known(self) -> Planes {
+        let all = |[low, high]: Bounds| low.abs() + high.abs();
+        let all = (all(self.hu) + all(self.hv)) + (all(self.hn) + all(self.above));
+        // False for NaN.
+        if all < 1e18 {
+            return self;
+        }
+        let above = [f32::NEG_INFINITY, f32::INFINITY];
+        Planes { hu: [0.0; 2], hv: [0.0; 2], hn: [0.0; 2], above, ..self }
+    }
+
+    /// The tests for what blocks some of the receivers, and for what blocks all, of which `most` is
+    /// the greatest nearness.
+    #[inline(always)]
+    pub fn tests(&self, most: f32) -> [Test; 2] {
+        let Planes { at, nearness, hu, hv, hn, above } = *self;
+        let flip = |[low, high]: Bounds| [high, low];
+        // Texels that block are nearer than the least nearness.
+        let above = |i: usize| above[i] + hn[1 - i] * nearness;
+        [
+            Test { at, hu: flip(hu), hv: flip(hv), hn: hn[1], above: above(0), nearness },
+            Test { at, hu, hv, hn: hn[0], above: above(1), nearness: most },
+        ]
     }
 }
 
-/// Room for rounding, relative to the greatest of what is added up to compare a texel with a plane.
-const ROUNDING: f32 = 1.0 / 524288.0;
+/// Room for rounding up to texels so far away from the map's first, and with such nearness.
+#[inline(always)]
+fn room(r: &Receiver, far: [f32; 3]) -> f32 {
+    let across = r.hu.abs() * far[0] + r.hv.abs() * far[1];
+    (r.above.abs() + (r.hn.abs() * far[2] + across)) * ROUNDING
+}
 
 /// The range of something over the pixels of a tile, lane by lane.
 #[derive(Clone, Copy)]
@@ -43,7 +133,7 @@ impl Range {
     }
 
     #[inline(always)]
-    fn all(&mut self) -> [f32; 2] {
+    fn all(&mut self) -> Bounds {
         let mut half = TILE / 2;
         while half > 0 {
             for lane in 0..half {
@@ -70,39 +160,4 @@ pub(crate) fn extent(groups: &Groups, group: usize, r: &Receivers) -> Extent {
         }
     }
     Extent { u: u.all(), v: v.all(), nearness: nearness.all() }
-}
-
-/// Planes below and above all of a group's, within the box of `corners`. Their slope is that of
-/// receiver `first`.
-#[inline(always)]
-pub(crate) fn bounds(
-    groups: &Groups,
-    group: usize,
-    r: &Receivers,
-    first: usize,
-    corners: &[[f32; 2]; 4],
-) -> [Plane; 2] {
-    let slope = [-r.hu[first] / r.hn[first], -r.hv[first] / r.hn[first]];
-    let mut at_corner = [0.0; 4];
-    let (mut far_u, mut far_v) = (0.0_f32, 0.0_f32);
-    for ([s, t], at) in corners.iter().zip(&mut at_corner) {
-        *at = slope[0] * s + slope[1] * t;
-        (far_u, far_v) = (far_u.max(s.abs()), far_v.max(t.abs()));
-    }
-    let mut range = Range::EMPTY;
-    for row in 0..COUNT / TILE {
-        for lane in 0..TILE {
-            let i = row * TILE + lane;
-            let inverse = 1.0 / r.hn[i];
-            let (origin, u, v) = (r.above[i] * inverse, r.hu[i] * -inverse, r.hv[i] * -inverse);
-            let room = (origin.abs() + (u.abs() * far_u + v.abs() * far_v)) * ROUNDING;
-            for c in 0..4 {
-                let [s, t] = corners[c];
-                let height = (origin + (u * s + v * t)) - at_corner[c];
-                range.add(lane, groups.has(group, i), height - room, height + room);
-            }
-        }
-    }
-    let [low, high] = range.all();
-    [Plane { origin: low, slope }, Plane { origin: high, slope }]
 }

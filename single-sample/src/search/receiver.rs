@@ -1,7 +1,6 @@
 //! From a camera's pixel to what its search needs.
 
 use super::geometry::Geometry;
-use super::planes::Plane;
 use crate::disc::disc_fraction;
 use crate::math::sqrt;
 
@@ -89,18 +88,6 @@ impl Receiver {
         self.u > NOWHERE
     }
 
-    /// Planes below and above its own, by room for rounding. Not finite if its own is not seen from
-    /// above.
-    #[inline(always)]
-    pub fn planes(&self) -> [Plane; 2] {
-        let origin = self.above / self.hn;
-        let room = self.nearness.abs() * (1.0 / 65536.0);
-        let slope = [-self.hu / self.hn, -self.hv / self.hn];
-        let is_seen = self.hn > 0.0;
-        let low = if is_seen { origin - room } else { f32::NEG_INFINITY };
-        [Plane { origin: low, slope }, Plane { origin: origin + room, slope }]
-    }
-
     /// Whether a texel with centre (s, t) blocks part of what this receiver could see.
     #[inline(always)]
     pub fn is_blocked_by(&self, s: f32, t: f32, nearness: f32) -> bool {
@@ -150,5 +137,14 @@ impl Seen {
             yy,
             area: xx * yy,
         }
+    }
+
+    /// Whether what lies (dx, dy) texels away may hide part of the disc, with a nearness that is
+    /// greater than the receiver's by `nearer`.
+    #[inline(always)]
+    pub fn reaches(&self, dx: f32, dy: f32, nearer: f32) -> bool {
+        // A texel is ample room for rounding.
+        let reach = self.reach * if nearer > self.least { nearer } else { self.least } + 1.0;
+        dx * dx + dy * dy <= reach * reach
     }
 }

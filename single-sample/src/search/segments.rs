@@ -27,8 +27,9 @@ impl Segment {
     }
 }
 
-/// How many segments [`Segments`] holds.
-const CAPACITY: usize = 1024;
+/// How many segments [`Segments`] holds: no power of two, which would put what is read together
+/// in the same few lines of a cache.
+const CAPACITY: usize = 4096 + 48;
 /// The most that one cell adds.
 const CELL_MOST: usize = 128;
 /// Segments that are visited at a time.
@@ -66,10 +67,7 @@ impl Bounds {
             if apart > 0.0 { apart } else { 0.0 }
         };
         let (dx, dy) = (apart(r.u, self.u), apart(r.v, self.v));
-        // A texel is ample room for rounding.
-        let nearer = self.nearness - r.nearness;
-        let reach = r.reach * if nearer > r.least { nearer } else { r.least } + 1.0;
-        dx * dx + dy * dy <= reach * reach
+        r.reaches(dx, dy, self.nearness - r.nearness)
     }
 }
 
@@ -78,17 +76,18 @@ impl Segments {
         Segments { values: [[0.0; CAPACITY]; 6], len: 0, bounds: [Bounds::EMPTY; CAPACITY / LANES] }
     }
 
-    pub fn clear(&mut self) {
-        self.len = 0;
+    /// Forgets all segments but the first `len`.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = len;
     }
 
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether the segments of another cell, and those that fill up the last group, may not fit.
-    pub fn is_full(&self) -> bool {
-        self.len + CELL_MOST + LANES > CAPACITY
+    /// Whether the segments of so many more cells, and those that fill up the last group, fit.
+    pub fn has_room(&self, cells: usize) -> bool {
+        self.len + cells * CELL_MOST + LANES <= CAPACITY
     }
 
     #[inline(always)]

@@ -6,12 +6,13 @@ use simd_search::Pyramid;
 use super::adaptive::{COUNT, Grid, NO_KEY, Samples, TILE};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
-use super::groups::{Groups, is_seen};
+use super::groups::Groups;
 use super::kernels;
 use super::leaves::{FindBlockers, LeafTest};
 use super::outline::Places;
 use super::outlines::{FindOutlines, Outlines};
 use super::planar::{FindPlanar, Planar, Shown};
+use super::planes::Planes;
 use super::reach::Reach;
 use super::soa::{Pixels, Receivers, SetReceivers};
 use super::tile_search::SearchTile;
@@ -180,11 +181,10 @@ fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole 
     let Some(reach) = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent) else {
         return lit;
     };
-    let test = LeafTest::new(geometry, &extent, &first.planes(), size);
+    let test = LeafTest::new(geometry, &extent, &Planes::of(&first), size);
     match may_block(scene, test, reach.places) {
         false => lit,
-        true if is_seen(first.hn * 0.5) => Whole::OnePlane,
-        true => Whole::Mixed,
+        true => Whole::OnePlane,
     }
 }
 

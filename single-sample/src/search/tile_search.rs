@@ -1,10 +1,12 @@
 //! The search of a tile's receivers.
 
+use core::ops::Range;
+
 use simd_search::Pyramid;
 
 use super::adaptive::{COUNT, Grid, NO_KEY, Samples};
-use super::cell::{is_uniform, outline};
-use super::field::{Field, Test, Texel};
+use super::cell::{CellBits, is_uniform, outline};
+use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
 use super::integral::{blocked_fraction, cell_of, hides_center, sum};
@@ -12,9 +14,12 @@ use super::kernels::{Ops, Work};
 use super::leaves::LeafTest;
 use super::outline::{Places, STRIP, Strip, cell_bits};
 use super::outlines::{Outline, Outlines};
+use super::planes::Planes;
 use super::reach::{Extent, Reach};
 use super::receiver::{Receiver, Seen};
+use super::segments::{LANES, Segments};
 use super::soa::Receivers;
+use super::texel_test::Test;
 use crate::Counters;
 
 /// Finds the blocked fractions of all pixels of a tile.
@@ -86,41 +91,38 @@ impl<T: Texel> SearchTile<'_, T> {
         let Some(outline) = group else { return 0.0 };
         let receiver = self.receivers.get(pixel);
         let seen = Seen::of(self.geometry, &receiver);
-        let cell = cell_of(receiver.u, receiver.v);
-        let needs_reach =
-            outline.is_cut || !outline.is_shared || outline.disputed[0] < outline.disputed[1];
-        let mut reach = None;
-        if needs_reach {
+        if outline.is_cut || !outline.is_shared {
             let Receiver { u, v, nearness, .. } = receiver;
             let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
             let size = [self.field.width, self.field.height];
-            reach = Reach::within(self.geometry, outline.greatest, size, &extent);
-            let Some(reach) = reach else { return 0.0 };
-            self.counters.cut_by_border += u32::from(reach.is_cut);
-        }
-        if let Some(Reach { places, .. }) = reach
-            && !outline.is_shared
-        {
-            let (sum, hidden) = self.own(ops, &receiver, &seen, places);
-            return blocked_fraction(hidden, sum);
+            let reach = Reach::within(self.geometry, outline.greatest, size, &extent);
+            let Some(Reach { places, is_cut, .. }) = reach else { return 0.0 };
+            self.counters.cut_by_border += u32::from(is_cut);
+            if !outline.is_shared {
+                let (sum, hidden) = self.own(ops, &receiver, &seen, places);
+                return blocked_fraction(hidden, sum);
+            }
         }
         let [first, end] = outline.groups;
         let mut total = sum(&seen, &self.outlines.segments, first..end, true);
-        if let Some(Reach { places, .. }) = reach {
-            total = total.wrapping_add(self.disputed(ops, &outline, &receiver, &seen, places));
+        let mut hidden = None;
+        if outline.disputed[0] < outline.disputed[1] {
+            let (sum, hides) = self.disputed(ops, &outline, &receiver, &seen);
+            total = total.wrapping_add(sum);
+            hidden = hides;
         }
-        let Outlines { segments, cells, disputed, .. } = &*self.outlines;
-        let hidden = if disputed.part(outline.disputed).contains(&cell) {
-            self.hides_center(ops, &receiver, cell)
-        } else {
+        let hidden = hidden.unwrap_or_else(|| {
+            let Outlines { segments, cells, .. } = &*self.outlines;
+            let cell = cell_of(receiver.u, receiver.v);
             let cell = cells.part(outline.cells).iter().find(|other| other.at == cell);
             let [first, end] = cell.map_or([0; 2], |cell| cell.segments);
             hides_center(self.field, &receiver, segments, first..end)
-        };
+        });
         blocked_fraction(hidden, total)
     }
 
-    /// The sum over the receiver's own outline in the disputed cells of `places`.
+    /// The sum over the receiver's own outline in disputed cells, and whether it hides the disc's
+    /// middle if that lies in one of them.
     #[inline(always)]
     fn disputed(
         &mut self,
@@ -128,30 +130,30 @@ impl<T: Texel> SearchTile<'_, T> {
         group: &Outline,
         receiver: &Receiver,
         seen: &Seen,
-        places: Places,
-    ) -> i32 {
-        let Outlines { disputed, own, .. } = &mut *self.outlines;
+    ) -> (i32, Option<bool>) {
+        let Outlines { disputed, segments, .. } = &mut *self.outlines;
         let test = Test::of(receiver);
-        let mut total = 0_i32;
-        own.clear();
-        for &at in disputed.part(group.disputed) {
-            if !places.hold(at) {
-                continue;
-            }
-            if own.is_full() {
-                total = total.wrapping_add({
-                    let groups = own.pad();
-                    sum(seen, own, 0..groups, false)
-                });
-                own.clear();
-            }
-            let bits = cell_bits(ops, self.field, &test, at);
-            if !is_uniform(&bits) {
-                outline(self.field, at, &bits, own);
+        let cell = cell_of(receiver.u, receiver.v);
+        let mut own = Own::behind(segments);
+        let mut hidden = None;
+        for lanes in group.disputed[0]..group.disputed[1] {
+            let mut leaves = disputed.blocking(lanes, receiver, seen);
+            while leaves != 0 {
+                let leaf = lanes * LANES + leaves.trailing_zeros() as usize;
+                leaves &= leaves - 1;
+                for at in disputed.cells(leaf) {
+                    let bits = cell_bits(ops, self.field, &test, at);
+                    if is_uniform(&bits) {
+                        continue;
+                    }
+                    let added = own.add(self.field, at, &bits, seen);
+                    if at == cell {
+                        hidden = Some(hides_center(self.field, receiver, own.segments, added));
+                    }
+                }
             }
         }
-        let groups = own.pad();
-        total.wrapping_add(sum(seen, own, 0..groups, false))
+        (own.sum(seen), hidden)
     }
 
     /// The sum over all of the receiver's own outline, and whether it hides the disc's middle.
@@ -168,15 +170,14 @@ impl<T: Texel> SearchTile<'_, T> {
         let leaf_test = LeafTest::new(
             self.geometry,
             &extent,
-            &receiver.planes(),
+            &Planes::of(receiver),
             [self.field.width, self.field.height],
         );
         let tests = [Test::of(receiver)];
         let cell = cell_of(u, v);
-        let Outlines { own, leaves, .. } = &mut *self.outlines;
-        let mut total = 0_i32;
+        let Outlines { segments, leaves, .. } = &mut *self.outlines;
+        let mut own = Own::behind(segments);
         let mut hidden = None;
-        own.clear();
         for part in places.parts() {
             if !leaves.find(self.pyramid, &leaf_test, part) {
                 continue;
@@ -185,30 +186,58 @@ impl<T: Texel> SearchTile<'_, T> {
                 let strip = Strip::new(ops, self.field, &tests, places);
                 for i in 0..strip.cells() {
                     let Some((at, [bits])) = strip.divided(i) else { continue };
-                    if own.is_full() {
-                        let groups = own.pad();
-                        total = total.wrapping_add(sum(seen, own, 0..groups, false));
-                        own.clear();
-                    }
-                    let first = own.len();
-                    outline(self.field, at, &bits, own);
+                    let added = own.add(self.field, at, &bits, seen);
                     if at == cell {
-                        hidden = Some(hides_center(self.field, receiver, own, first..own.len()));
+                        hidden = Some(hides_center(self.field, receiver, own.segments, added));
                     }
                 }
             }
         }
-        let groups = own.pad();
-        let none = || hides_center(self.field, receiver, own, 0..0);
-        (total.wrapping_add(sum(seen, own, 0..groups, false)), hidden.unwrap_or_else(none))
+        let none = || hides_center(self.field, receiver, own.segments, 0..0);
+        let hidden = hidden.unwrap_or_else(none);
+        (own.sum(seen), hidden)
+    }
+}
+
+/// A receiver's own outline, behind the shared one.
+struct Own<'a> {
+    segments: &'a mut Segments,
+    /// Where it begins: at a whole group of lanes.
+    start: usize,
+    /// The sum over what there was no room to keep.
+    sum: i32,
+}
+
+impl<'a> Own<'a> {
+    #[inline(always)]
+    fn behind(segments: &'a mut Segments) -> Own<'a> {
+        let start = segments.len();
+        Own { segments, start, sum: 0 }
     }
 
-    /// Whether the receiver lies within its own outline in the cell `at`, which it is in.
+    /// Adds the outline in a cell, and says which segments that are.
     #[inline(always)]
-    fn hides_center(&mut self, ops: &impl Ops, receiver: &Receiver, at: [i32; 2]) -> bool {
-        let own = &mut self.outlines.own;
-        own.clear();
-        outline(self.field, at, &cell_bits(ops, self.field, &Test::of(receiver), at), own);
-        hides_center(self.field, receiver, own, 0..own.len())
+    fn add<T: Texel>(
+        &mut self,
+        field: &Field<'_, T>,
+        at: [i32; 2],
+        bits: &CellBits,
+        seen: &Seen,
+    ) -> Range<usize> {
+        if !self.segments.has_room(1) {
+            self.sum = self.sum(seen);
+        }
+        let first = self.segments.len();
+        outline(field, at, bits, self.segments);
+        first..self.segments.len()
+    }
+
+    /// The sum over all segments, none of which are kept.
+    #[inline(always)]
+    fn sum(&mut self, seen: &Seen) -> i32 {
+        let groups = self.start / LANES..self.segments.pad();
+        let sum = self.sum.wrapping_add(sum(seen, self.segments, groups, false));
+        self.segments.truncate(self.start);
+        sum
     }
 }

@@ -5,7 +5,8 @@
 
 use shadowmap_core::Level;
 
-use super::field::{BLOCK_ROWS, Block, Test};
+use super::field::{BLOCK_ROWS, Row};
+use super::texel_test::Limits;
 
 #[cfg(target_feature = "sse2")]
 mod avx2;
@@ -65,13 +66,13 @@ impl Bits {
 /// have the features of the function they are made in, and everything between is
 /// `#[inline(always)]`.
 pub(crate) trait Ops {
-    fn blocking(&self, test: &Test, block: &Block<'_>) -> Bits;
+    fn passing(&self, limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits;
 }
 
-impl<F: Fn(&Test, &Block<'_>) -> Bits> Ops for F {
+impl<F: Fn(&Limits, &[&Row; BLOCK_ROWS]) -> Bits> Ops for F {
     #[inline(always)]
-    fn blocking(&self, test: &Test, block: &Block<'_>) -> Bits {
-        self(test, block)
+    fn passing(&self, limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
+        self(limits, rows)
     }
 }
 
@@ -101,14 +102,12 @@ pub(crate) fn run(level: Level, work: impl Work) {
 
 /// The operation in plain Rust: what all others equal bit for bit.
 #[inline(always)]
-fn plain(test: &Test, block: &Block<'_>) -> Bits {
+fn plain(limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
     let mut found = [0; BLOCK_ROWS];
-    for (y, texels) in block.rows.iter().enumerate() {
-        let row = test.above - test.hv * (block.first[1] + y as f32);
+    for (y, texels) in rows.iter().enumerate() {
         for (i, &nearness) in texels.iter().enumerate() {
-            let along = test.hu * (block.first[0] + i as f32);
-            let blocks = (test.hn * nearness > row - along) & (nearness > test.nearness);
-            found[y] |= u16::from(blocks) << i;
+            let is_above = limits.hn * nearness > limits.rows[y] - limits.columns[i];
+            found[y] |= u16::from(is_above & (nearness > limits.nearness)) << i;
         }
     }
     Bits::new(found)
