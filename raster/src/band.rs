@@ -8,6 +8,7 @@ use crate::line::{Line, clear};
 use crate::plain::is_nearer;
 use crate::simd::{Simd, kernel};
 use crate::span::Spans;
+use crate::strips::Strips;
 
 /// The rows of a map that one thread owns.
 #[derive(Debug)]
@@ -17,6 +18,7 @@ pub(crate) struct Rows<'a> {
     /// The columns of each row that hold something to keep, first and end; what lies outside is
     /// written before it is read.
     pub(crate) kept: [[u32; 2]; MAX_ROWS],
+    pub(crate) strips: Strips,
     pub(crate) nearness: &'a mut [f32],
     pub(crate) payload: &'a mut [u32],
 }

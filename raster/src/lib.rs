@@ -67,6 +67,7 @@ mod simd;
 mod skins;
 mod small;
 mod span;
+mod strips;
 mod vertices;
 
 pub use map::{DepthBuffer, DrawStats, Payload, Target};

@@ -9,6 +9,7 @@ use crate::band::{Rows, draw_band};
 use crate::binning::{Source, bin};
 use crate::bins::{Bins, Grid, MAX_ROWS};
 use crate::project::Projection;
+use crate::strips::Strips;
 use crate::vertices::Vertices;
 use crate::{AlphaMask, DrawStats, Payload, Target};
 
@@ -172,7 +173,8 @@ impl Rasterizer {
         for_each_band(self.threads, bands, &|band, (nearness, payload)| {
             let (nearness, payload) = (nearness.data, payload.data);
             let kept = if clear { [0; 2] } else { [0, grid.width] };
-            let mut rows = Rows { grid, band, kept: [kept; MAX_ROWS], nearness, payload };
+            let (kept, strips) = ([kept; MAX_ROWS], Strips::EMPTY);
+            let mut rows = Rows { grid, band, kept, strips, nearness, payload };
             draw_band(self.level, &mut rows, &self.chunks, mask);
         });
     }

@@ -13,9 +13,7 @@ impl Rows<'_> {
         let done = (S::LANES == 16 && columns <= 4 && self.block::<S, 4>(s, small, small.x))
             || (S::LANES >= 8 && columns <= S::LANES / 2 && self.block::<S, 2>(s, small, small.x));
         if !done {
-            for strip in (0..columns).step_by(S::LANES) {
-                self.block::<S, 1>(s, small, small.x + strip as u16);
-            }
+            self.strips(s, small);
         }
     }
 

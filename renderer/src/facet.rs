@@ -1,7 +1,10 @@
 //! One triangle as the shading sees it.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
+use crate::light_block::{Block, Lane, PADDING};
 use crate::prepared::{Prepared, corners};
 use crate::scene::Material;
 
@@ -9,29 +12,37 @@ use crate::scene::Material;
 #[derive(Clone, Copy, Debug)]
 pub struct Facet<'a> {
     index: u32,
-    /// Towards the viewer.
-    normal: Vec3,
-    albedo: Vec3,
-    emission: Vec3,
-    /// The rest differs from pixel to pixel, and is there only if it does.
-    varying: Option<Varying<'a>>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Varying<'a> {
-    corners: [u32; 3],
-    /// The weight of the second and of the third corner at P is `weights . (P - origin)`.
+    /// Whether `normal` says it all.
+    is_flat: bool,
+    /// Towards the viewer; at a point `normal[0] + b1 normal[1] + b2 normal[2]`, not of unit length.
+    normal: [Vec3; 3],
+    /// The weights `b1` of the second and `b2` of the third corner at P are `weights . (P - origin)`.
     origin: Vec3,
     weights: [Vec3; 2],
-    /// The normal is `smooth[0] + b1 smooth[1] + b2 smooth[2]`, without unit length.
-    smooth: Option<[Vec3; 3]>,
-    /// The colour is looked up.
-    material: Option<&'a Material>,
+    albedo: Vec3,
+    emission: Vec3,
+    /// The albedo is looked up instead: of this material, between these vertices.
+    colored: Option<(&'a Material, [u32; 3])>,
 }
 
 impl<'a> Facet<'a> {
+    /// What no triangle is: nothing but light of this colour.
+    pub const fn glowing(emission: Vec3) -> Facet<'a> {
+        Facet {
+            index: 0,
+            is_flat: true,
+            normal: [Vec3::Y, Vec3::ZERO, Vec3::ZERO],
+            origin: Vec3::ZERO,
+            weights: [Vec3::ZERO; 2],
+            albedo: Vec3::ZERO,
+            emission,
+            colored: None,
+        }
+    }
+
     /// The triangle `index - 1`, seen from `eye`, a homogeneous point.
     #[must_use]
+    #[inline(never)]
     pub fn new(prepared: &Prepared<'a>, index: u32, eye: [f32; 4]) -> Facet<'a> {
         let triangle = index as usize - 1;
         let scene = prepared.scene();
@@ -39,27 +50,27 @@ impl<'a> Facet<'a> {
         let normal = prepared.surfaces()[index as usize].normal;
         let mut facet = Facet {
             index,
-            normal,
             albedo: material.map_or(Vec3::ONE, |m| m.base_color.truncate()),
-            emission: material.map_or(Vec3::ZERO, |m| m.emissive),
-            varying: None,
+            ..Facet::glowing(material.map_or(Vec3::ZERO, |m| m.emissive))
         };
+        facet.normal[0] = normal;
         let vertices = scene.mesh.triangles[triangle];
         let Some([a, b, c]) = corners(scene, vertices) else { return facet };
         let [x, y, z, w] = eye;
         if normal.dot(Vec3::new(x, y, z) - a * w) < 0.0 {
-            facet.normal = -normal;
+            facet.normal[0] = -normal;
         }
-        let smooth = smooth_normals(&scene.normals, vertices, facet.normal);
+        let smooth = smooth_normals(&scene.normals, vertices, facet.normal[0]);
         let colored = !scene.colors.is_empty() || material.is_some_and(|m| m.texture.is_some());
         let (u, v) = (b - a, c - a);
         let [uu, uv, vv] = [u.dot(u), u.dot(v), v.dot(v)];
         let scale = 1.0 / (uu * vv - uv * uv);
         if (smooth.is_some() || colored) && scale.is_finite() {
-            let weights = [(u * vv - v * uv) * scale, (v * uu - u * uv) * scale];
-            let material = material.filter(|_| colored);
-            facet.varying =
-                Some(Varying { corners: vertices, origin: a, weights, smooth, material });
+            facet.is_flat = false;
+            facet.normal = smooth.unwrap_or(facet.normal);
+            facet.origin = a;
+            facet.weights = [(u * vv - v * uv) * scale, (v * uu - u * uv) * scale];
+            facet.colored = material.filter(|_| colored).map(|material| (material, vertices));
         }
         facet
     }
@@ -70,29 +81,61 @@ impl<'a> Facet<'a> {
         self.index
     }
 
-    /// Normal, albedo and emission, if they are the same everywhere on the triangle.
-    #[must_use]
-    pub fn uniform(&self) -> Option<[Vec3; 3]> {
-        self.varying.is_none().then_some([self.normal, self.albedo, self.emission])
+    /// Sets normal (not of unit length), albedo and emission of the pixels in `run`, which see the
+    /// triangle, and arbitrarily those of less than [`PADDING`] pixels after them.
+    #[inline(always)]
+    pub fn fill(&self, prepared: &Prepared<'_>, block: &mut Block, run: Range<usize>) {
+        for start in run.clone().step_by(PADDING) {
+            put(&mut block.emission, start, &same(self.emission));
+            put(&mut block.albedo, start, &same(self.albedo));
+            if self.is_flat {
+                put(&mut block.normal, start, &same(self.normal[0]));
+                continue;
+            }
+            let [b1, b2] = self.weights_at(&block.position, start);
+            let [normal, d1, d2] = self.normal;
+            let mut normals = [[0.0; PADDING]; 3];
+            for i in 0..PADDING {
+                let normal = normal + d1 * b1[i] + d2 * b2[i];
+                (normals[0][i], normals[1][i], normals[2][i]) = (normal.x, normal.y, normal.z);
+            }
+            put(&mut block.normal, start, &normals);
+            let Some((material, vertices)) = self.colored else { continue };
+            for (i, pixel) in (start..run.end.min(start + PADDING)).enumerate() {
+                let color = prepared.base_color(material, vertices, [b1[i], b2[i]]);
+                for (albedo, value) in block.albedo.iter_mut().zip(color.to_array()) {
+                    albedo[pixel] = value;
+                }
+            }
+        }
     }
 
-    /// Normal (not of unit length), albedo and emission at a point of the triangle.
-    #[inline]
-    #[must_use]
-    pub fn at(&self, prepared: &Prepared<'_>, position: Vec3) -> [Vec3; 3] {
-        let Some(varying) = &self.varying else { return [self.normal, self.albedo, self.emission] };
-        let offset = position - varying.origin;
-        let b1 = varying.weights[0].dot(offset).clamp(0.0, 1.0);
-        let b2 = varying.weights[1].dot(offset).clamp(0.0, 1.0);
-        let normal = match varying.smooth {
-            Some([start, d1, d2]) => start + d1 * b1 + d2 * b2,
-            None => self.normal,
-        };
-        let albedo = match varying.material {
-            Some(material) => prepared.base_color(material, varying.corners, [b1, b2]).truncate(),
-            None => self.albedo,
-        };
-        [normal, albedo, self.emission]
+    /// The weights of the second and of the third corner at the pixels from `start` on.
+    #[inline(always)]
+    fn weights_at(&self, position: &[Lane; 3], start: usize) -> [Piece; 2] {
+        let [mut b1, mut b2] = [[0.0; PADDING]; 2];
+        let [x, y, z] = position.each_ref().map(|lane| &lane[start..][..PADDING]);
+        for i in 0..PADDING {
+            let offset = Vec3::new(x[i], y[i], z[i]) - self.origin;
+            b1[i] = self.weights[0].dot(offset).clamp(0.0, 1.0);
+            b2[i] = self.weights[1].dot(offset).clamp(0.0, 1.0);
+        }
+        [b1, b2]
+    }
+}
+
+/// As many pixels as are looked up together.
+type Piece = [f32; PADDING];
+
+#[inline(always)]
+fn same(value: Vec3) -> [Piece; 3] {
+    [[value.x; PADDING], [value.y; PADDING], [value.z; PADDING]]
+}
+
+#[inline(always)]
+fn put(lanes: &mut [Lane; 3], start: usize, pieces: &[Piece; 3]) {
+    for (lane, piece) in lanes.iter_mut().zip(pieces) {
+        lane[start..][..PADDING].copy_from_slice(piece);
     }
 }
 

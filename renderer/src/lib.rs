@@ -60,6 +60,7 @@ pub mod mask;
 #[cfg(feature = "program")]
 pub mod memory;
 pub mod method;
+mod painter;
 #[cfg(feature = "program")]
 pub mod pass;
 #[cfg(feature = "program")]

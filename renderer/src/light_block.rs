@@ -16,8 +16,11 @@ use crate::tone::STEPS;
 /// Pixels per block.
 pub const BLOCK: usize = 64;
 
-/// One value per pixel of a block.
-pub type Lane = [f32; BLOCK];
+/// Values after those of the block, so that surfaces can be looked up a whole vector at a time.
+pub const PADDING: usize = 16;
+
+/// One value per pixel of a block, and arbitrary ones after them.
+pub type Lane = [f32; BLOCK + PADDING];
 
 /// A block of neighbouring pixels of one row.
 #[derive(Clone, Debug)]
@@ -38,7 +41,7 @@ impl Block {
     /// A block that nothing arrives at.
     #[must_use]
     pub fn new() -> Block {
-        let zero = [[0.0; BLOCK]; 3];
+        let zero = [[0.0; BLOCK + PADDING]; 3];
         Block { position: zero, normal: zero, irradiance: zero, albedo: zero, emission: zero }
     }
 }
@@ -49,6 +52,7 @@ impl Default for Block {
     }
 }
 
+/// Defines a function that takes a [`Level`] first and runs `body` compiled for it.
 macro_rules! levels {
     ($(#[$doc:meta])* $name:ident, $body:ident, ($($arg:ident: $type:ty),*)) => {
         $(#[$doc])*
@@ -77,6 +81,8 @@ macro_rules! levels {
         }
     };
 }
+
+pub(crate) use levels;
 
 levels!(
     /// World positions of the pixels (x, y), (x + 1, y), ... of a camera with the given nearness.
@@ -184,7 +190,7 @@ levels!(
 #[inline(always)]
 fn reflected_body(block: &Block, color: &mut [Lane; 3]) {
     for (c, color) in color.iter_mut().enumerate() {
-        for (i, color) in color.iter_mut().enumerate() {
+        for (i, color) in color[..BLOCK].iter_mut().enumerate() {
             *color = block.albedo[c][i] * block.irradiance[c][i] + block.emission[c][i];
         }
     }
@@ -246,7 +252,7 @@ mod tests {
     #[test]
     fn light_arrives_by_cosine_over_distance_squared() {
         let mut block = Block::new();
-        block.normal[1] = [1.0; BLOCK];
+        block.normal[1] = [1.0; BLOCK + PADDING];
         let emitter = Emitter {
             place: [3.0, 4.0, 0.0, 1.0],
             color: Vec3::new(100.0, 50.0, 0.0),
@@ -254,7 +260,7 @@ mod tests {
             cone_scale: 0.0,
             cone_offset: 1.0,
         };
-        add_light(Level::SCALAR, &mut block, &emitter, &[0.5; BLOCK]);
+        add_light(Level::SCALAR, &mut block, &emitter, &[0.5; BLOCK + PADDING]);
         // 100 candela, 5 m away, at cosine 4 / 5, half seen.
         assert!((block.irradiance[0][9] - 100.0 / 25.0 * 0.8 * 0.5).abs() < 1e-6);
         assert!((block.irradiance[1][9] - 0.8).abs() < 1e-6);

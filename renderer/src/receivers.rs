@@ -7,7 +7,7 @@ use shadowmap_core::{
     BandSlice, Camera, Level, LightPoint, Surfaces, Threads, View, Warp, for_each_band,
 };
 
-use crate::light_block::{BLOCK, warped};
+use crate::light_block::{BLOCK, PADDING, warped};
 
 /// What happened in one call of [`visibility`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,7 +47,8 @@ pub fn visibility(
         let mut counters = ReceiverCounters::default();
         // The surface of the run, and its slope unless it faces away.
         let mut run = (None, None);
-        let (mut nearness, mut seen) = ([0.0; BLOCK], [[0.0; BLOCK]; 3]);
+        let mut nearness = [0.0; BLOCK + PADDING];
+        let mut seen = [nearness; 3];
         for (block, out) in out.data.chunks_mut(BLOCK).enumerate() {
             let first = y * width + block * BLOCK;
             out.fill(0.0);
