@@ -21,7 +21,7 @@ const BACKDROP: [Vec3; 2] = [Vec3::new(0.33, 0.39, 0.46), Vec3::new(0.68, 0.69, 
 
 /// Facets that are kept: about those that a row of pixels sees, since the next row sees most of
 /// them again.
-const KEPT: usize = 256;
+const KEPT: usize = 512;
 
 /// Shades blocks of pixels of the camera.
 pub struct Painter<'a> {

@@ -9,7 +9,7 @@ use crate::prepared::Prepared;
 use crate::tone::ToneTable;
 
 /// Rows of the picture that are shaded together: what one row sees, the next sees again.
-const ROWS: usize = 16;
+const ROWS: usize = 32;
 
 /// What is shaded.
 #[derive(Clone, Copy, Debug)]
