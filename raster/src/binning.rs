@@ -10,7 +10,7 @@ use shadowmap_core::Mesh;
 use crate::bins::{Bins, Grid, Large, Masked, Small};
 use crate::clip::{Clipped, INVALID, SetUp};
 use crate::coverage::Triangle;
-use crate::lanes::{Lanes, Planes};
+use crate::lanes::{Lanes, Planes, TINY, inside};
 use crate::line::clamp;
 use crate::mask::Weights;
 use crate::plain::vertices;
@@ -72,14 +72,15 @@ fn bin_group<S: Simd>(
         drawn &= !special;
         large &= !special;
     }
-    let covers = lanes.tiny[0] | lanes.tiny[1] | lanes.tiny[2] | lanes.tiny[3] | lanes.small;
-    if covers & drawn != 0 {
+    if drawn != 0 {
         let near = s.gather(&source.vertices.nearness, triangles);
         let planes = Planes::through(s, &seen, near);
         // A gradient that means nothing is left to the scalar code.
-        large |= covers & drawn & !planes.sound;
-        drawn &= !(covers & !planes.sound);
-        push_tiny(s, source, first, &lanes, drawn, &planes, bins);
+        large |= drawn & !planes.sound;
+        drawn &= planes.sound;
+        if lanes.tiny & drawn != 0 {
+            push_tiny(s, source, first, &lanes, lanes.tiny & drawn, &planes, bins);
+        }
         if lanes.small & drawn != 0 {
             push_small(s, source, first, &lanes, lanes.small & drawn, &planes, bins);
         }
@@ -112,57 +113,64 @@ fn payloads<S: Simd>(s: S, source: &Source<'_>, first: usize) -> S::I {
     }
 }
 
-/// Turns triangles of at most 2x2 texels into fragments.
+/// Turns tiny triangles into fragments: texel by texel of their bounds, all lanes alike.
 #[inline(always)]
 fn push_tiny<S: Simd>(
     s: S,
     source: &Source<'_>,
     first: usize,
     lanes: &Lanes<S>,
-    drawn: u32,
+    tiny: u32,
     planes: &Planes<S>,
     bins: &mut Bins,
 ) {
     let grid = &source.grid;
     let payload = payloads(s, source, first);
+    let (columns, rows) = (s.sub_i(lanes.x[1], lanes.x[0]), s.sub_i(lanes.y[1], lanes.y[0]));
     let (one, half) = (s.splat_d(1.0), s.splat_d(0.5));
     let px = s.add_d(s.d_from_f(s.f_from_i(lanes.x[0])), half);
-    let py = s.add_d(s.d_from_f(s.f_from_i(lanes.y[0])), half);
-    let along = [s.mul_d(planes.a, px), s.mul_d(planes.a, s.add_d(px, one))];
-    for down in 0..2 {
-        let (left, right) = (lanes.tiny[2 * down] & drawn, lanes.tiny[2 * down + 1] & drawn);
-        if left | right == 0 {
-            continue;
-        }
-        let py = s.add_d(py, s.splat_d(down as f64));
+    let mut py = s.add_d(s.d_from_f(s.f_from_i(lanes.y[0])), half);
+    let (mut y, mut row_edges) = (lanes.y[0], lanes.edges);
+    for down in 0..TINY {
+        let mut rest = tiny & s.bits(s.greater_i(rows, s.splat_i(down as i32 - 1)));
         let row = s.add_d(s.mul_d(planes.b, py), planes.c);
-        let near = [
-            clamp(s, s.f_from_d(s.add_d(along[0], row)), planes.low, planes.high),
-            clamp(s, s.f_from_d(s.add_d(along[1], row)), planes.low, planes.high),
-        ];
-        let y = s.add_i(lanes.y[0], s.splat_i(down as i32));
         let mut ys = [0; MAX_LANES];
         s.store_u(&mut ys, y);
-        let mut rest = left | right;
         while rest != 0 {
             // The lanes in the band of the first one that is left.
             let band = ys[rest.trailing_zeros() as usize % MAX_LANES] >> grid.shift;
             let start = (band << grid.shift) as i32;
             let end = start + grid.rows() as i32;
-            let inside =
+            let here =
                 s.and_m(s.greater_i(y, s.splat_i(start - 1)), s.greater_i(s.splat_i(end), y));
-            let inside = s.bits(inside);
-            let row = s.mul_i(s.sub_i(y, s.splat_i(start)), s.splat_i(grid.width as i32));
-            let texel = s.add_i(row, lanes.x[0]);
+            let here = rest & s.bits(here);
+            rest &= !here;
             let fragments = &mut bins.bands[band as usize].fragments;
-            if left & inside != 0 {
-                fragments.push(s, left & inside, texel, near[0], payload);
+            let texel = s.mul_i(s.sub_i(y, s.splat_i(start)), s.splat_i(grid.width as i32));
+            let (mut texel, mut px) = (s.add_i(texel, lanes.x[0]), px);
+            let mut edges = row_edges;
+            for right in 0..TINY {
+                let wide = here & s.bits(s.greater_i(columns, s.splat_i(right as i32 - 1)));
+                if wide == 0 {
+                    break;
+                }
+                let covered = wide & inside(s, edges);
+                if covered != 0 {
+                    let near = s.f_from_d(s.add_d(s.mul_d(planes.a, px), row));
+                    let near = clamp(s, near, planes.low, planes.high);
+                    fragments.push(s, covered, texel, near, payload);
+                }
+                texel = s.add_i(texel, s.splat_i(1));
+                px = s.add_d(px, one);
+                for k in 0..3 {
+                    edges[k] = s.sub_i(edges[k], s.shift_left::<8>(lanes.delta[k][1]));
+                }
             }
-            if right & inside != 0 {
-                let texel = s.add_i(texel, s.splat_i(1));
-                fragments.push(s, right & inside, texel, near[1], payload);
-            }
-            rest &= !inside;
+        }
+        y = s.add_i(y, s.splat_i(1));
+        py = s.add_d(py, one);
+        for k in 0..3 {
+            row_edges[k] = s.add_i(row_edges[k], s.shift_left::<8>(lanes.delta[k][0]));
         }
     }
 }

@@ -11,6 +11,9 @@ const fn small<S: Simd>() -> i32 {
     4 * S::LANES as i32 * SUBTEXELS
 }
 
+/// The most columns and rows of a triangle that becomes fragments while it is binned.
+pub(crate) const TINY: usize = 4;
+
 /// A vector of triangles, snapped, and what they cover.
 pub(crate) struct Lanes<S: Simd> {
     /// The bounds: first and last column, first and last row.
@@ -22,9 +25,8 @@ pub(crate) struct Lanes<S: Simd> {
     pub(crate) delta: [[S::I; 2]; 3],
     /// Less than [`small`], with an area and something in the bounds.
     pub(crate) drawn: u32,
-    /// Of these, those that cover the texels (0, 0), (1, 0), (0, 1), (1, 1) of bounds that have no
-    /// others.
-    pub(crate) tiny: [u32; 4],
+    /// Of these, those with bounds of at most [`TINY`] columns and rows.
+    pub(crate) tiny: u32,
     /// Those with larger bounds.
     pub(crate) small: u32,
     /// Not small, with something in the bounds.
@@ -57,8 +59,7 @@ impl<S: Simd> Lanes<S> {
         // vertex 0, whence the order of the products.
         let area = s.sub_i(s.mul_i(delta[2][0], delta[0][1]), s.mul_i(delta[0][0], delta[2][1]));
         let reversed = s.greater_i(zero, area);
-        let (mut edges, mut right, mut below, mut both) =
-            ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+        let mut edges = [zero; 3];
         for k in 0..3 {
             let [dx, dy] = delta[k];
             let dx = s.select_i(reversed, s.sub_i(zero, dx), dx);
@@ -69,33 +70,22 @@ impl<S: Simd> Lanes<S> {
             let owned = s.greater_i(to_the_right, s.add_i(dy, dy));
             let edge = s.sub_i(s.mul_i(dy, us[k]), s.mul_i(dx, vs[k]));
             edges[k] = s.sub_i(edge, s.select_i(owned, zero, one));
-            let (down, across) = (s.shift_left::<8>(dx), s.shift_left::<8>(dy));
-            right[k] = s.sub_i(edges[k], across);
-            below[k] = s.add_i(edges[k], down);
-            both[k] = s.add_i(right[k], down);
         }
-        let has_right = s.bits(s.greater_i(x[1], x[0]));
-        let has_below = s.bits(s.greater_i(y[1], y[0]));
-        let beyond =
-            s.or_m(s.greater_i(s.sub_i(x[1], x[0]), one), s.greater_i(s.sub_i(y[1], y[0]), one));
-        let is_tiny = !s.bits(beyond);
+        let tiny = s.splat_i(TINY as i32);
+        let is_tiny =
+            s.and_m(s.greater_i(tiny, s.sub_i(x[1], x[0])), s.greater_i(tiny, s.sub_i(y[1], y[0])));
+        let is_tiny = s.bits(is_tiny);
         let limit = s.splat_i(small::<S>());
         let is_small = s.bits(s.and_m(s.greater_i(limit, wide), s.greater_i(limit, high)));
         let is_small = if (grid.width as usize) < MAX_LANES { 0 } else { is_small };
         let flat = !s.bits(s.or_m(reversed, s.greater_i(area, zero)));
         let drawn = in_bounds & is_small & !flat;
-        let tiny = drawn & is_tiny;
         Lanes {
             x,
             y,
             edges,
             delta,
-            tiny: [
-                tiny & inside(s, edges),
-                tiny & inside(s, right) & has_right,
-                tiny & inside(s, below) & has_below,
-                tiny & inside(s, both) & has_right & has_below,
-            ],
+            tiny: drawn & is_tiny,
             small: drawn & !is_tiny,
             large: in_bounds & !is_small,
             special: special & wanted,
@@ -106,7 +96,7 @@ impl<S: Simd> Lanes<S> {
 
 /// The lanes in which no edge function is negative.
 #[inline(always)]
-fn inside<S: Simd>(s: S, [a, b, c]: [S::I; 3]) -> u32 {
+pub(crate) fn inside<S: Simd>(s: S, [a, b, c]: [S::I; 3]) -> u32 {
     s.bits(s.not_negative(s.or_i(s.or_i(a, b), c)))
 }
 
