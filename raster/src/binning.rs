@@ -162,15 +162,15 @@ fn push_tiny<S: Simd>(
                 }
                 texel = s.add_i(texel, s.splat_i(1));
                 px = s.add_d(px, one);
-                for k in 0..3 {
-                    edges[k] = s.sub_i(edges[k], s.shift_left::<8>(lanes.delta[k][1]));
+                for (edge, [_, dy]) in edges.iter_mut().zip(lanes.delta) {
+                    *edge = s.sub_i(*edge, s.shift_left::<8>(dy));
                 }
             }
         }
         y = s.add_i(y, s.splat_i(1));
         py = s.add_d(py, one);
-        for k in 0..3 {
-            row_edges[k] = s.add_i(row_edges[k], s.shift_left::<8>(lanes.delta[k][0]));
+        for (edge, [dx, _]) in row_edges.iter_mut().zip(lanes.delta) {
+            *edge = s.add_i(*edge, s.shift_left::<8>(dx));
         }
     }
 }

@@ -25,7 +25,8 @@ impl Strips {
     fn find<S: Simd>(&mut self, s: S, small: &Small, first: i32, count: usize) {
         let (x, last_x) = (i32::from(small.x), i32::from(small.last_x));
         let inverse = small.step_x.map(|step| match step {
-            // Of a level edge, twice what is not negative lies beyond the last column.
+            // A level edge excludes all of a row or nothing: what is half a unit or more, to either
+            // side, becomes more than there are columns.
             0 => 4096.0,
             _ => 1.0 / step.unsigned_abs() as f32,
         });
@@ -37,10 +38,9 @@ impl Strips {
             for k in 0..3 {
                 let edge =
                     s.add_i(s.splat_i(small.edges[k]), s.mul_i(down, s.splat_i(small.step_y[k])));
-                // The greatest whole number not above edge / |step|: half a unit more than a whole
-                // number over a divisor below 2^15 is too far from the next one for single
-                // precision to err, as long as the quotient matters, and less half a divisor it can
-                // be rounded to nearest.
+                // The greatest whole number q not above edge / step, both whole, |step| <= 2^14, by
+                // rounding (edge + 1/2) / |step| - 1/2 to nearest: that is never closer to halfway
+                // than 2^-15, and single precision errs by 2^-17 where q is a column at all.
                 let quotient =
                     s.mul_f(s.add_f(s.f_from_i(edge), s.splat_f(half[k])), s.splat_f(inverse[k]));
                 let quotient = clamp(s, quotient, s.splat_f(-1024.0), s.splat_f(1024.0));
