@@ -35,10 +35,12 @@
 //! * Every 16 x 8 texels of a map are bounded by a plane and the least and greatest distance from it.
 //!   Where no bound reaches above the group's plane, the group is lit: a ground that the light sees
 //!   at an angle is decided without looking at a texel.
-//! * Of each row only the bounded parts that can block are read, once for the whole group, since the
-//!   same texels are in front of its plane. For each run, the texels that hide the most and the
-//!   least for the two outermost receivers stand for the whole run (for a receiver between them
-//!   the extreme texel lies between theirs: what this neglects is far below a texel).
+//! * Groups of neighbouring blocks that share a plane are judged together. Of each row only the
+//!   bounded parts that can block are read, once for the whole group, since the same texels are in
+//!   front of its plane. For each run, the texels that hide the most and the least for the two
+//!   outermost receivers, and for two between them where those differ, stand for the whole run (for
+//!   the other receivers the extreme texel lies between theirs: what this neglects is far below a
+//!   texel).
 
 mod adaptive;
 mod block;
@@ -51,6 +53,7 @@ mod lanes;
 mod naive;
 mod receivers;
 mod rows;
+mod run;
 mod scan;
 mod search;
 #[cfg(test)]

@@ -11,7 +11,8 @@ use glam::Vec3;
 use shadowmap_core::{Camera, DepthMap};
 
 use super::frame::{Facing, Frame, Frustum, FrustumMaps, UNKNOWN, point};
-use super::scan::{Probe, REACH, Vertex};
+use super::run::{Probe, Vertex};
+use super::scan::REACH;
 use super::search::{MapSearch, Tilt};
 use super::{INTERVAL_BIAS, check};
 

@@ -4,7 +4,7 @@ use shadowmap_core::{Camera, Plane, Surfaces};
 
 use super::bounds::BAND;
 use super::frame::{Facing, Frame, Frustum, MAX_FRUSTA, UNKNOWN};
-use super::group::{Group, Scratch};
+use super::group::{Group, Part, Scratch};
 use super::lanes::{INDEX, Ids, LANES, Lanes, Ops, lanes};
 use super::receivers::{Pixels, from_row, in_row, warp_row};
 
@@ -43,13 +43,21 @@ pub(super) fn judge_band(
 ) {
     let width = frame.camera.map().width() as usize;
     let height = out.len() / width;
+    scratch.hidden.clear();
+    scratch.hidden.resize(out.len(), 0.0);
     for x in (0..width).step_by(LANES) {
         let block = Block::load(&frame.camera, x, first_row, [width, height]);
-        let mut visibility = [0.0; LANES * BAND];
-        block.judge(ops, frame, scratch, counters, &mut visibility);
-        for (line, visibility) in out.chunks_exact_mut(width).zip(visibility.as_chunks().0) {
-            put(&mut line[x..], visibility);
+        let mut open = [0.0; LANES * BAND];
+        block.judge(ops, frame, scratch, counters, &mut open);
+        for (line, open) in out.chunks_exact_mut(width).zip(open.as_chunks().0) {
+            put(&mut line[x..], open);
         }
+    }
+    for (out, hidden) in out.iter_mut().zip(&scratch.hidden) {
+        // Written so that NaN is lit.
+        let seen = *out - *hidden;
+        let seen = if seen < 1.0 { seen } else { 1.0 };
+        *out = if seen > 0.0 { seen } else { 0.0 };
     }
 }
 
@@ -88,7 +96,8 @@ impl Block {
         block
     }
 
-    /// Judges the receivers of the block, group after group.
+    /// Judges the receivers of the block, group after group: writes how much of the light is above
+    /// their horizon to `open`.
     #[inline(always)]
     fn judge(
         &self,
@@ -96,50 +105,69 @@ impl Block {
         frame: &Frame<'_>,
         scratch: &mut Scratch,
         counters: &mut Counters,
-        visibility: &mut [f32; LANES * BAND],
+        open: &mut [f32; LANES * BAND],
     ) {
+        let width = frame.camera.map().width() as usize;
         let all = self.receivers(ops);
         counters.receivers += u64::from(all.count_ones());
-        if all == 0 {
-            return;
-        }
         for (index, frustum) in frame.frusta.iter().flatten().enumerate() {
-            let mut left = all & self.in_frustum(ops, &frame.frusta, index);
-            if left == 0 {
+            let left = all & self.in_frustum(ops, &frame.frusta, index);
+            if left != 0 {
+                self.divide(ops, frame, frustum, left, scratch, counters, open);
+            }
+            let alone = frame.frusta[1].is_some() || self.x + LANES >= width;
+            scratch.end_block(self.x / LANES, alone);
+            while let Some(group) = scratch.ready.pop() {
+                group.judge(ops, frame, frustum, scratch, width);
+            }
+        }
+    }
+
+    /// Divides the pixels `left`, which belong to one frustum, into groups.
+    #[inline(always)]
+    fn divide(
+        &self,
+        ops: impl Ops,
+        frame: &Frame<'_>,
+        frustum: &Frustum<'_>,
+        mut left: Pixels,
+        scratch: &mut Scratch,
+        counters: &mut Counters,
+        open: &mut [f32; LANES * BAND],
+    ) {
+        let block = self.x / LANES;
+        let slot = block % scratch.receivers.len();
+        scratch.receivers[slot].warp(ops, frustum, [self.x, self.y], &self.nearness);
+        while left != 0 {
+            let leader = left.trailing_zeros() as usize;
+            let (plane, pixels) = self.group(ops, &frame.camera, leader, left);
+            left &= !pixels;
+            let Some(facing) = Facing::new(frame, plane) else { continue };
+            fill(ops, open, pixels, facing.open());
+            let pixels_inside = pixels & scratch.receivers[slot].inside;
+            counters.outside += u64::from((pixels & !pixels_inside).count_ones());
+            if pixels_inside == 0 {
                 continue;
             }
-            scratch.receivers.warp(ops, frustum, [self.x, self.y], &self.nearness);
-            while left != 0 {
-                let leader = left.trailing_zeros() as usize;
-                let (plane, pixels) = self.group(ops, &frame.camera, leader, left);
-                left &= !pixels;
-                let Some(facing) = Facing::new(frame, plane) else { continue };
-                fill(ops, visibility, pixels, facing.open());
-                let inside = pixels & scratch.receivers.inside;
-                counters.outside += u64::from((pixels & !inside).count_ones());
-                if inside == 0 {
-                    continue;
-                }
-                let group = Group::new(ops, inside, facing, frustum, &scratch.receivers);
-                if group.is_lit(ops, frame, frustum, scratch) {
-                    continue;
-                }
-                counters.searched += u64::from(inside.count_ones());
-                // Receivers on a plane that is too steep are judged one by one.
-                let mut waiting = inside;
-                while waiting != 0 {
-                    let next =
-                        if group.tilt.steep { waiting & waiting.wrapping_neg() } else { waiting };
-                    waiting &= !next;
-                    let group = Group::new(ops, next, facing, frustum, &scratch.receivers);
-                    group.judge(ops, frame, frustum, scratch, visibility);
-                }
+            let group = |pixels: Pixels, scratch: &Scratch| {
+                Group::new(ops, Part { block, pixels }, facing, frustum, &scratch.receivers)
+            };
+            let whole = group(pixels_inside, scratch);
+            if whole.is_lit(ops, frame, frustum, scratch) {
+                continue;
             }
-        }
-        for v in visibility {
-            // Written so that NaN is lit.
-            *v = if *v < 1.0 { *v } else { 1.0 };
-            *v = if *v > 0.0 { *v } else { 0.0 };
+            counters.searched += u64::from(pixels_inside.count_ones());
+            if !whole.tilt.steep {
+                scratch.add(whole);
+                continue;
+            }
+            // Receivers on a plane that is too steep are judged one by one.
+            let mut waiting = pixels_inside;
+            while waiting != 0 {
+                let alone = group(waiting & waiting.wrapping_neg(), scratch);
+                scratch.ready.push(alone);
+                waiting &= waiting - 1;
+            }
         }
     }
 

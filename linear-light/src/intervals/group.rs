@@ -5,21 +5,39 @@ use core::ops::Range;
 
 use super::bounds::BAND;
 use super::frame::{Facing, Frame, Frustum};
-use super::lanes::{LANES, Ops, max, min};
+use super::lanes::{Ops, max, min};
 use super::receivers::{Extent, Pixels, Receivers};
 use super::rows::RowReceivers;
-use super::scan::{RowSearch, Run, any_in_front, scan};
+use super::run::Run;
+use super::scan::{RowSearch, any_in_front, scan};
 use super::search::{MapSearch, Tilt};
 use super::union::Interval;
+
+/// The most blocks of a group, side by side.
+pub(super) const WIDEST: usize = 4;
+
+/// From so many receivers in one block on, a group waits for the next block.
+const WORTH_WAITING: u32 = 64;
+
+/// Receivers of a few blocks: those that a group may hold, and those at hand.
+pub(super) type Blocks = [Receivers; WIDEST + 1];
 
 /// Scratch memory of one band. It grows to what a band needs and is then kept.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    pub receivers: Receivers,
+    /// Those of block i of the band are element i of them, round and round.
+    pub receivers: Blocks,
+    /// What is hidden from each pixel of the band.
+    pub hidden: Vec<f32>,
+    /// Groups to be judged.
+    pub ready: Vec<Group>,
+    /// A group that the next block may have more receivers of.
+    waiting: Option<Group>,
     row: RowReceivers,
     found: Vec<u32>,
     found_of: Vec<Range<usize>>,
     maps: Vec<MapSearch>,
+    ranges: Vec<Range<usize>>,
     runs: Vec<Run>,
     runs_of: Vec<Range<usize>>,
     intervals: Vec<Interval>,
@@ -28,11 +46,15 @@ pub(super) struct Scratch {
 impl Scratch {
     pub fn new() -> Scratch {
         Scratch {
-            receivers: Receivers::NONE,
+            receivers: [const { Receivers::NONE }; WIDEST + 1],
+            hidden: Vec::new(),
+            ready: Vec::new(),
+            waiting: None,
             row: RowReceivers::NONE,
             found: Vec::new(),
             found_of: Vec::new(),
             maps: Vec::new(),
+            ranges: Vec::new(),
             runs: Vec::new(),
             runs_of: Vec::new(),
             intervals: Vec::new(),
@@ -40,9 +62,43 @@ impl Scratch {
     }
 }
 
-/// A group, and the rows of the maps that it takes part of its visibility from.
-pub(super) struct Group {
+impl Scratch {
+    /// Takes a group that is to be judged, together with that of the block before if their planes
+    /// are the same.
+    #[inline(always)]
+    pub fn add(&mut self, group: Group) {
+        match &mut self.waiting {
+            Some(waiting) if waiting.may_join(&group) => waiting.join(&group),
+            waiting if group.parts[0].pixels.count_ones() >= WORTH_WAITING => {
+                self.ready.extend(waiting.replace(group));
+            }
+            _ => self.ready.push(group),
+        }
+    }
+
+    /// Lets no group wait that has no receivers in `block`, and none at all if nothing follows.
+    #[inline(always)]
+    pub fn end_block(&mut self, block: usize, nothing_follows: bool) {
+        let goes_on = |group: &Group| group.parts[group.count - 1].block == block;
+        if nothing_follows || !self.waiting.as_ref().is_some_and(goes_on) {
+            self.ready.extend(self.waiting.take());
+        }
+    }
+}
+
+/// The receivers of a group in one block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// The number of the block in its band.
+    pub block: usize,
     pub pixels: Pixels,
+}
+
+/// A group, and the rows of the maps that it takes part of its visibility from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group {
+    parts: [Part; WIDEST],
+    count: usize,
     pub facing: Facing,
     pub tilt: Tilt,
     extent: Extent,
@@ -52,23 +108,45 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// `pixels` must not be empty.
+    /// The pixels of `part` must not be none.
     #[inline(always)]
     pub fn new(
         ops: impl Ops,
-        pixels: Pixels,
+        part: Part,
         facing: Facing,
         frustum: &Frustum<'_>,
-        receivers: &Receivers,
+        receivers: &Blocks,
     ) -> Group {
-        let reference = receivers.at(pixels.trailing_zeros() as usize);
+        let receivers = &receivers[part.block % receivers.len()];
+        let reference = receivers.at(part.pixels.trailing_zeros() as usize);
         let tilt = Tilt::new(&facing, frustum, reference[2]);
-        let extent = receivers.extent(ops, pixels);
+        let extent = receivers.extent(ops, part.pixels);
         let last = frustum.size[1] as f32 - 1.0;
         let first_row = max(0.0, min(extent.rows[0] - 0.5, last)) as usize;
         let last_row = max(0.0, min(extent.rows[1] - 0.5, last)) as usize + 1;
         let rows = [first_row, last_row.min(last as usize)];
-        Group { pixels, facing, tilt, extent, reference, rows }
+        Group { parts: [part; WIDEST], count: 1, facing, tilt, extent, reference, rows }
+    }
+
+    /// The receivers, block by block.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts[..self.count]
+    }
+
+    /// Whether `other`, of the block at hand, may join: its receivers lie on the same plane, and
+    /// there is room.
+    #[inline(always)]
+    pub fn may_join(&self, other: &Group) -> bool {
+        self.count < WIDEST && self.facing.plane == other.facing.plane && !other.tilt.steep
+    }
+
+    /// Takes in the receivers of another group.
+    #[inline(always)]
+    pub fn join(&mut self, other: &Group) {
+        self.parts[self.count] = other.parts[0];
+        self.count += 1;
+        self.extent = self.extent.with(&other.extent);
+        self.rows = [self.rows[0].min(other.rows[0]), self.rows[1].max(other.rows[1])];
     }
 
     /// The rows of the group in a band.
@@ -119,7 +197,8 @@ impl Group {
         true
     }
 
-    /// Takes from `visibility`, which holds what is above the horizon, all that is hidden.
+    /// Writes what is hidden from each receiver to its pixel of the band, which is `width` pixels
+    /// wide.
     #[inline(always)]
     pub fn judge(
         &self,
@@ -127,15 +206,28 @@ impl Group {
         frame: &Frame<'_>,
         frustum: &Frustum<'_>,
         scratch: &mut Scratch,
-        visibility: &mut [f32; LANES * BAND],
+        width: usize,
     ) {
-        let Scratch { receivers, row, found, found_of, maps, runs, runs_of, intervals } = scratch;
+        let Scratch {
+            receivers,
+            hidden,
+            row,
+            found,
+            found_of,
+            maps,
+            ranges,
+            runs,
+            runs_of,
+            intervals,
+            ..
+        } = scratch;
         let Group { facing, tilt, .. } = self;
         maps.clear();
         for (index, sample) in frustum.samples.iter().enumerate() {
             maps.push(self.map_search(frame, frustum, sample.t, frustum.span(index)));
         }
-        row.sort(receivers, self.pixels, self.rows, frustum.size[1] as f32 - 1.0);
+        let last_row = frustum.size[1] as f32 - 1.0;
+        row.sort(receivers, self.parts(), self.rows, last_row, width);
         for band in self.rows[0] / BAND..=self.rows[1] / BAND {
             let rows = self.rows_in(band);
             if rows.clone().all(|y| row.of_row(y).is_empty()) {
@@ -163,8 +255,8 @@ impl Group {
                 for ((sample, map), found_of) in frustum.samples.iter().zip(&*maps).zip(&*found_of)
                 {
                     let before = runs.len();
-                    let search = RowSearch::new(frustum, map, &probes);
-                    scan(ops, &sample.map, &found[found_of.clone()], y, map, &search, runs);
+                    let search = RowSearch::new(frustum, map, &probes, self.count);
+                    scan(ops, &sample.map, &found[found_of.clone()], y, map, &search, ranges, runs);
                     runs_of.push(before..runs.len());
                 }
                 if !runs.is_empty() {
@@ -172,6 +264,6 @@ impl Group {
                 }
             }
         }
-        row.take_from(visibility);
+        row.write(hidden);
     }
 }

@@ -48,6 +48,12 @@ pub(super) fn lanes(f: impl Fn(usize) -> f32) -> Lanes {
     out
 }
 
+/// A bit for each of the first `count` lanes.
+#[inline(always)]
+pub(super) fn within(count: usize) -> u32 {
+    (1 << count.min(LANES)) - 1
+}
+
 /// Minimum and maximum as one vector instruction has them: the second operand if either is NaN.
 #[inline(always)]
 pub(super) fn min(a: f32, b: f32) -> f32 {
@@ -63,12 +69,6 @@ pub(super) fn max(a: f32, b: f32) -> f32 {
 #[inline(always)]
 pub(super) fn least(a: &Lanes) -> f32 {
     reduce(a, min)
-}
-
-/// The greatest lane.
-#[inline(always)]
-pub(super) fn greatest(a: &Lanes) -> f32 {
-    reduce(a, max)
 }
 
 /// All lanes as one: first those eight apart, then four, two and one.

@@ -4,7 +4,8 @@
 use alloc::{vec, vec::Vec};
 
 use super::frame::{Facing, Frame, Frustum, UNKNOWN};
-use super::scan::{Probe, REACH, Vertex};
+use super::run::{Probe, Vertex};
+use super::scan::REACH;
 use super::search::Tilt;
 
 /// What each pixel of the frame's camera sees, if there is one frustum.

@@ -2,7 +2,7 @@
 
 use super::bounds::BAND;
 use super::frame::Frustum;
-use super::lanes::{INDEX, LANES, Lanes, Ops, greatest, lanes, least, max, min};
+use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, min};
 
 /// One bit per pixel of a block, row after row.
 pub(super) type Pixels = u128;
@@ -81,14 +81,14 @@ impl Receivers {
             for (axis, of) in [&self.column, &self.row, &self.nearness].into_iter().enumerate() {
                 let (low, high) =
                     (ops.select(pixels, &of[y], &many), ops.select(pixels, &of[y], &few));
-                lo[axis] = lanes(|i| min(low[i], lo[axis][i]));
-                hi[axis] = lanes(|i| max(high[i], hi[axis][i]));
+                lo[axis] = ops.min(&low, &lo[axis]);
+                hi[axis] = ops.max(&high, &hi[axis]);
             }
         }
         Extent {
-            columns: [least(&lo[0]), greatest(&hi[0])],
-            rows: [least(&lo[1]), greatest(&hi[1])],
-            nearness: [least(&lo[2]), greatest(&hi[2])],
+            columns: [ops.least(&lo[0]), ops.greatest(&hi[0])],
+            rows: [ops.least(&lo[1]), ops.greatest(&hi[1])],
+            nearness: [ops.least(&lo[2]), ops.greatest(&hi[2])],
         }
     }
 
@@ -106,6 +106,19 @@ pub(super) struct Extent {
     pub columns: [f32; 2],
     pub rows: [f32; 2],
     pub nearness: [f32; 2],
+}
+
+impl Extent {
+    /// The ranges of the receivers of both.
+    #[inline(always)]
+    pub fn with(&self, other: &Extent) -> Extent {
+        let range = |a: [f32; 2], b: [f32; 2]| [min(a[0], b[0]), max(a[1], b[1])];
+        Extent {
+            columns: range(self.columns, other.columns),
+            rows: range(self.rows, other.rows),
+            nearness: range(self.nearness, other.nearness),
+        }
+    }
 }
 
 /// One row of a warp for sixteen pixels from (x, y) on.

@@ -5,14 +5,18 @@ use core::ops::Range;
 
 use super::bounds::BAND;
 use super::frame::{Facing, Frustum};
-use super::lanes::{LANES, Lanes, Ops, lanes, max, min};
-use super::receivers::{Pixels, Receivers, in_row};
-use super::scan::{Probe, Run, Vertex};
+use super::group::{Blocks, Part, WIDEST};
+use super::lanes::{LANES, Lanes, Ops, lanes, max, min, within};
+use super::receivers::{Pixels, in_row};
+use super::run::{Probe, Run, Vertex};
 use super::search::{MapSearch, Tilt};
 use super::union::{Interval, union_length};
 
-/// The most receivers in a group: a block of the camera's image.
-const MOST: usize = LANES * BAND;
+/// The receivers of a block of the camera's image.
+const BLOCK: usize = LANES * BAND;
+
+/// The most receivers in a group.
+const MOST: usize = BLOCK * WIDEST;
 
 /// Vectors are read from any receiver on.
 const ROOM: usize = MOST + LANES;
@@ -28,14 +32,14 @@ pub(super) struct RowReceivers {
     nearness: [f32; ROOM],
     /// What is hidden from each.
     hidden: [f32; ROOM],
-    /// How many rows below the first the upper row of each pixel of the block is.
+    /// How many rows below the first the upper row of each pixel of the group's blocks is.
     rank: [u32; MOST],
-    /// Which pixel of the block each is.
-    pixel: [u8; MOST],
+    /// Which pixel of the band each is.
+    pixel: [u32; MOST],
     /// The first row.
     first: usize,
     /// How many receivers have the upper of their rows before `first + k`, for each k.
-    before: Vec<u8>,
+    before: Vec<u16>,
 }
 
 impl RowReceivers {
@@ -50,43 +54,49 @@ impl RowReceivers {
         before: Vec::new(),
     };
 
-    /// Takes in the receivers of a group between rows `first` and `last`.
+    /// Takes in the receivers of a group, between rows `first` and `last`, of a band of `width`
+    /// pixels.
     #[inline(always)]
     pub fn sort(
         &mut self,
-        receivers: &Receivers,
-        group: Pixels,
+        receivers: &Blocks,
+        parts: &[Part],
         [first, last]: [usize; 2],
         last_row: f32,
+        width: usize,
     ) {
         self.first = first;
         // While receivers are put in their places, element k + 1 is the place of the next one
         // whose upper row is `first + k`.
         self.before.clear();
         self.before.resize(last - first + 3, 0);
-        for_each_pixel(group, |pixel| {
-            let row = receivers.row[pixel / LANES][pixel % LANES];
-            // Rows that are numbers lie between the first and the last.
-            let upper = (center(row, last_row) as usize).max(first).min(last);
-            self.rank[pixel] = (upper - first) as u32;
-            self.before[upper - first + 2] += 1;
-        });
+        for (ranks, part) in self.rank.as_chunks_mut::<BLOCK>().0.iter_mut().zip(parts) {
+            let rows = &receivers[part.block % receivers.len()].row;
+            for_each_pixel(part.pixels, |line, lane| {
+                // Rows that are numbers lie between the first and the last.
+                let upper = (center(rows[line][lane], last_row) as usize).max(first).min(last);
+                ranks[line * LANES + lane] = (upper - first) as u32;
+                self.before[upper - first + 2] += 1;
+            });
+        }
         let mut sum = 0;
         for before in &mut self.before {
             sum += *before;
             *before = sum;
         }
-        for_each_pixel(group, |pixel| {
-            let next = &mut self.before[self.rank[pixel] as usize + 1];
-            let place = usize::from(*next) % MOST;
-            *next += 1;
-            let (line, lane) = (pixel / LANES, pixel % LANES);
-            self.column[place] = receivers.column[line][lane];
-            self.row[place] = receivers.row[line][lane];
-            self.nearness[place] = receivers.nearness[line][lane];
-            self.pixel[place] = pixel as u8;
-        });
-        self.hidden = [0.0; ROOM];
+        for (ranks, part) in self.rank.as_chunks::<BLOCK>().0.iter().zip(parts) {
+            let from = &receivers[part.block % receivers.len()];
+            for_each_pixel(part.pixels, |line, lane| {
+                let next = &mut self.before[ranks[line * LANES + lane] as usize + 1];
+                let place = usize::from(*next) % MOST;
+                *next += 1;
+                self.column[place] = from.column[line][lane];
+                self.row[place] = from.row[line][lane];
+                self.nearness[place] = from.nearness[line][lane];
+                self.pixel[place] = (line * width + part.block * LANES + lane) as u32;
+            });
+        }
+        self.hidden[..usize::from(sum) + LANES].fill(0.0);
     }
 
     /// The receivers for which row `y` counts: those within one row of its middle.
@@ -150,26 +160,16 @@ impl RowReceivers {
             let rest = within(of.end - at);
             intervals.clear();
             for (map, runs_of) in maps.iter().zip(runs_of) {
-                let from = max(map.span[0], facing.horizon[0]);
-                let to = min(map.span[1], facing.horizon[1]);
-                let u = lanes(|i| column[i] + map.shift * nearness[i]);
+                let sixteen =
+                    Sixteen { u: lanes(|i| column[i] + map.shift * nearness[i]), nearness };
                 for run in &runs[runs_of.clone()] {
-                    let [p, q] = run.first;
-                    let mut first = hidden(p, &u, &nearness, frustum.disparity);
-                    if p != q {
-                        let other = hidden(q, &u, &nearness, frustum.disparity);
-                        first = ops.min(&first, &other);
-                    }
-                    let [p, q] = run.last;
-                    let mut last = hidden(p, &u, &nearness, frustum.disparity);
-                    if p != q {
-                        let other = hidden(q, &u, &nearness, frustum.disparity);
-                        last = ops.max(&last, &other);
-                    }
-                    let first = lanes(|i| max(map.t + first[i], from));
-                    let last = lanes(|i| min(map.t + last[i], to));
-                    if ops.greater(&last, &first) & rest != 0 {
-                        intervals.push(Interval { from: first, to: last });
+                    let [first, last] = sixteen.hidden(ops, run, frustum.disparity);
+                    let from = max(map.span[0], facing.horizon[0]);
+                    let to = min(map.span[1], facing.horizon[1]);
+                    let from = lanes(|i| max(map.t + first[i], from));
+                    let to = lanes(|i| min(map.t + last[i], to));
+                    if ops.greater(&to, &from) & rest != 0 {
+                        intervals.push(Interval { from, to });
                     }
                 }
             }
@@ -187,12 +187,12 @@ impl RowReceivers {
         }
     }
 
-    /// Takes what is hidden from the visibility of the receivers' pixels.
+    /// Writes what is hidden from each receiver to its pixel of the band.
     #[inline(always)]
-    pub fn take_from(&self, visibility: &mut [f32; MOST]) {
+    pub fn write(&self, out: &mut [f32]) {
         let count = usize::from(self.before.last().copied().unwrap_or(0));
         for (pixel, hidden) in self.pixel.iter().zip(&self.hidden).take(count) {
-            visibility[usize::from(*pixel) % MOST] -= hidden;
+            out[*pixel as usize] = *hidden;
         }
     }
 }
@@ -203,27 +203,41 @@ fn center(row: f32, last_row: f32) -> f32 {
     max(0.0, min(row - 0.5, last_row))
 }
 
+/// Calls `f` with line and lane of each pixel.
 #[inline(always)]
-fn for_each_pixel(pixels: Pixels, mut f: impl FnMut(usize)) {
+fn for_each_pixel(pixels: Pixels, mut f: impl FnMut(usize, usize)) {
     for line in 0..BAND {
         let mut left = in_row(pixels, line);
         while left != 0 {
-            f(line * LANES + left.trailing_zeros() as usize % LANES);
+            f(line, left.trailing_zeros() as usize % LANES);
             left &= left - 1;
         }
     }
 }
 
-/// What a vertex hides from sixteen receivers.
-#[inline(always)]
-fn hidden(vertex: Vertex, u: &Lanes, nearness: &Lanes, disparity: f32) -> Lanes {
-    lanes(|i| Probe { u: u[i], nearness: nearness[i] }.hidden(vertex, disparity))
+/// Sixteen receivers as a map sees them.
+struct Sixteen {
+    u: Lanes,
+    nearness: Lanes,
 }
 
-/// A bit for each of the first `count` lanes.
-#[inline(always)]
-pub(super) fn within(count: usize) -> u32 {
-    (1 << count.min(LANES)) - 1
+impl Sixteen {
+    /// The least and the greatest parameter that a run hides from each, from the map's own on.
+    #[inline(always)]
+    fn hidden(&self, ops: impl Ops, run: &Run, disparity: f32) -> [Lanes; 2] {
+        let by = |vertex: Vertex| {
+            lanes(|i| Probe { u: self.u[i], nearness: self.nearness[i] }.hidden(vertex, disparity))
+        };
+        let mut first = [f32::INFINITY; LANES];
+        for vertex in run.first.as_slice() {
+            first = ops.min(&by(*vertex), &first);
+        }
+        let mut last = [f32::NEG_INFINITY; LANES];
+        for vertex in run.last.as_slice() {
+            last = ops.max(&by(*vertex), &last);
+        }
+        [first, last]
+    }
 }
 
 #[inline(always)]
