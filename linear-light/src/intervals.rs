@@ -69,7 +69,8 @@ pub use block::Counters as IntervalCounters;
 pub use frame::{FrustumMaps, SampleMap};
 
 use bounds::{BAND, Bounds};
-use frame::{Frame, Frustum, MAX_FRUSTA, point};
+use frame::{Frame, Frustum, point};
+use crate::MAX_FRUSTA;
 use group::Scratch;
 use kernels::{Job, run};
 
@@ -128,7 +129,7 @@ impl IntervalVisibility {
     ///
     /// # Panics
     ///
-    /// If there are no frusta or more than four, if they are not those that were prepared, if a
+    /// If there are no frusta or more than [`MAX_FRUSTA`], if they are not those that were prepared, if a
     /// frustum has less than two maps, maps of another size than its views or with `t` not
     /// ascending from 0 to 1, or if `out` does not have one element per pixel.
     pub fn visibility(
@@ -183,7 +184,7 @@ fn frame<'a>(
 
 /// Panics unless the maps fit their views.
 fn check(frusta: &[FrustumMaps<'_>]) {
-    assert!((1..=MAX_FRUSTA).contains(&frusta.len()), "a light has one to four frusta");
+    assert!((1..=MAX_FRUSTA).contains(&frusta.len()), "a light has from 1 to {MAX_FRUSTA} frusta");
     for frustum in frusta {
         let view = frustum.views.views()[0];
         let samples = frustum.samples;

@@ -103,7 +103,7 @@ pub use intervals::{
     AdaptiveOptions, AdaptiveSamples, Disagreement, FrustumMaps, INTERVAL_BIAS, IntervalCounters,
     IntervalVisibility, SampleMap, disagreement,
 };
-pub use rectified::{MAX_TANGENT, RectifiedLight};
+pub use rectified::{MAX_FRUSTA, MAX_TANGENT, RectifiedLight};
 pub use shading::{SkinShadow, visibility};
 pub use skins::{SkinOptions, Transition};
 pub use views::SampleViews;

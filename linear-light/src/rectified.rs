@@ -2,14 +2,31 @@
 
 use alloc::vec::Vec;
 
-use glam::{DVec2, Vec3};
-use shadowmap_core::{ImagePoint, Spread, Window, fit_extents};
+use glam::{DVec2, DVec3, Vec3};
+use shadowmap_core::{Extents, ImagePoint, Plane, Spread, Window, fit_extents};
 
-use crate::views::{Frame, SampleViews};
+use crate::views::{Frame, SampleViews, choose};
 
-/// The widest tangent along the light that a fitted window takes in, 76 degrees to either side.
-/// What lies beyond, close to the light's own line, falls outside every map.
+/// The widest tangent along the light, 76 degrees to either side, that a frustum takes in which
+/// stands beside it. Receivers further along the light's line have a frustum of their own.
 pub const MAX_TANGENT: f64 = 4.0;
+
+/// From which tangent on a receiver belongs to the frustum beyond the light's end: a little less, so
+/// that what its rows and columns are blended with is in its map too.
+const BEYOND: f64 = 0.97 * MAX_TANGENT;
+
+/// The widest tangent of the frusta beyond the light's ends: all but half a degree around its line.
+const LAST_TANGENT: f64 = 128.0;
+
+/// How far those reach back over the light's end.
+const BACK: f64 = 0.25;
+
+/// How many fewer rows than the others their maps have. There the scene is seen so slantwise that
+/// rows lie close to each other.
+const FEWER_ROWS: u32 = 4;
+
+/// The most frusta of one light: four around it, with one beyond either end each.
+pub const MAX_FRUSTA: usize = 12;
 
 /// Texels left free around a fitted window, for rounding.
 const MARGIN: f64 = 1.0 / 32.0;
@@ -23,18 +40,18 @@ const MARGIN: f64 = 1.0 / 32.0;
 /// | spans at most 180 degrees | 2 |
 /// | is all around | 4 |
 ///
-/// A receiver belongs to exactly one frustum ([`RectifiedLight::frustum_of`]); which one depends
-/// on its angle around the axis alone, and so all that can block it from the light is in the
-/// same frustum.
+/// **Beyond the ends.** Views perpendicular to the light see little of what lies along its line:
+/// windows end at [`MAX_TANGENT`]. If receivers lie beyond, each of these frusta is followed by one
+/// more for such an end, whose window begins at the end's own plane and ends half a degree from
+/// the light's line, and whose maps have a quarter of the rows. What remains, closer to the line
+/// than that, falls outside all maps and counts as lit.
 ///
-/// **The end caps.** Views perpendicular to the light cannot see along it. Windows reach as far
-/// as the scene does, but at most [`MAX_TANGENT`] to either side, so that what remains unseen is
-/// a cone of 14 degrees around the light's line beyond either end. Receivers in there fall outside
-/// the maps and count as lit, as everywhere outside a light's frustum. They see the light nearly
-/// end-on, where it gives a diffuse surface little light.
+/// A receiver belongs to exactly one frustum ([`RectifiedLight::frustum_of`]). All that can block it
+/// from the light lies in its own half-plane through the light's line, hence in the same frustum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RectifiedLight {
     frusta: Vec<SampleViews>,
+    is_complete: bool,
 }
 
 impl RectifiedLight {
@@ -79,84 +96,64 @@ impl RectifiedLight {
         let axis = Frame::new(a, b, Vec3::NEG_Y);
         let blockers = blockers.filter(|p| p.is_finite());
         let receivers = receivers.filter(|p| p.is_finite());
-        let points = blockers.clone().chain(receivers.clone());
-        let across = |p: Vec3| Some(axis.across(p)).filter(|p| p.length_squared() > 0.0);
-        let views = |forward: DVec2, window: Window, near: f64| {
-            let towards = axis.down * forward.x + axis.forward * forward.y;
-            SampleViews::new(a, b, samples, towards.as_vec3(), window, size, near as f32)
-        };
-        // The far end of the scene scales what must not be zero.
-        let reach = points.clone().map(|p| axis.across(p).length()).fold(0.0, f64::max).max(1e-6);
-        // A shadow stays in its blocker's plane through the light: either set will do.
-        let wedge = Wedge::around(blockers.clone().filter_map(across))
-            .narrower(Wedge::around(receivers.clone().filter_map(across)));
-        let frusta = match wedge {
-            Wedge::Within(lo, hi) if lo.dot(hi) >= -0.5 => {
-                let forward = lo + hi;
-                let frame = axis.turned(forward);
-                let (window, near) = fitted_window(&frame, b, blockers, receivers, reach, size);
-                alloc::vec![views(forward, window, near)]
+        let faces = faces(&axis, [a, b], blockers, receivers.clone());
+        let mut frusta = Vec::new();
+        for Face { frame, extents, near } in &faces {
+            let towards = frame.forward.as_vec3();
+            let views = |[left, top, right, bottom]: Extents, size| {
+                let window = with_margin([left, top, right, bottom], size);
+                SampleViews::new(a, b, samples, towards, window, size, *near as f32)
+            };
+            let [left, top, right, bottom] = *extents;
+            let cut = [left.max(-MAX_TANGENT), top, right.min(MAX_TANGENT), bottom];
+            frusta.push(views(cut, size));
+            let far = size[1].div_ceil(FEWER_ROWS);
+            let ends = [
+                (left < -MAX_TANGENT, end_planes(frame, -1.0, b, a)),
+                (right > MAX_TANGENT, end_planes(frame, 1.0, a, b)),
+            ];
+            let windows = [
+                [left.max(-LAST_TANGENT), top, BACK, bottom],
+                [-BACK, top, right.min(LAST_TANGENT), bottom],
+            ];
+            for ((is_cut, planes), window) in ends.into_iter().zip(windows) {
+                let may_hold = |plane: &Plane| {
+                    receivers.clone().any(|p| plane.side_of(p.extend(1.0).to_array()) > 0.0)
+                };
+                if is_cut && planes.iter().all(may_hold) {
+                    frusta.push(views(window, [size[0], far]).beyond_end(planes));
+                }
             }
-            Wedge::Within(lo, hi) => {
-                let middle = (lo + hi).try_normalize().unwrap_or(-lo.perp());
-                // Half of each face's angle: a quarter of the wedge.
-                let face = (hi + middle).normalize();
-                let tangent = face.perp_dot(hi).abs() / face.dot(hi);
-                let frame = axis.turned(middle);
-                let depth = points.clone().map(|p| frame.depth(p)).fold(f64::INFINITY, f64::min);
-                // Nothing in a face is nearer than 0.7 of what the middle direction says.
-                let nearest = (depth * 0.7).max(reach * 1e-3);
-                let [left, right] = along_range(&axis, [a, b], points, nearest);
-                let window = with_margin([left, -tangent, right, tangent], size);
-                alloc::vec![
-                    views(lo + middle, window, nearest),
-                    views(middle + hi, window, nearest)
-                ]
-            }
-            Wedge::Around => {
-                let nearest = reach * 1e-3;
-                let [left, right] = along_range(&axis, [a, b], points, nearest);
-                let window = with_margin([left, -1.0, right, 1.0], size);
-                [DVec2::Y, DVec2::X, DVec2::NEG_Y, DVec2::NEG_X]
-                    .map(|forward| views(forward, window, nearest))
-                    .into()
-            }
-        };
-        RectifiedLight { frusta }
+        }
+        let is_whole = |face: &Face| face.extents.iter().all(|e| e.abs() < LAST_TANGENT);
+        RectifiedLight { frusta, is_complete: faces.len() == 1 && is_whole(&faces[0]) }
     }
 
     /// A light with one frustum of your own.
     #[must_use]
     pub fn from_frustum(views: SampleViews) -> RectifiedLight {
-        RectifiedLight { frusta: alloc::vec![views] }
+        RectifiedLight { frusta: alloc::vec![views], is_complete: false }
     }
 
-    /// The frusta around the light, at least one.
+    /// The frusta around the light, from 1 to [`MAX_FRUSTA`].
     #[must_use]
     pub fn frusta(&self) -> &[SampleViews] {
         &self.frusta
     }
 
-    /// Whether one frustum holds all that it was fitted to, nothing cut at [`MAX_TANGENT`].
+    /// Whether the maps hold all that they were fitted to, so that what falls outside of them is
+    /// lit indeed.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        let widest = MAX_TANGENT as f32;
-        let whole = |window: Window| window.left > -widest && window.right < widest;
-        matches!(&self.frusta[..], [frustum] if whole(frustum.window()))
+        self.is_complete
     }
 
-    /// The frustum that a receiver belongs to: the one whose view axis is nearest to it. The
-    /// receiver may still fall outside that frustum's window, and is then lit.
+    /// The frustum that a receiver belongs to: the one whose view axis is nearest to it, beyond the
+    /// light's end if it lies there. The receiver may still fall outside that frustum's window, and
+    /// is then lit.
     #[must_use]
     pub fn frustum_of(&self, position: Vec3) -> usize {
-        let mut best = (0, f32::NEG_INFINITY);
-        for (index, frustum) in self.frusta.iter().enumerate() {
-            let depth = frustum.depth_of(position);
-            if depth > best.1 {
-                best = (index, depth);
-            }
-        }
-        best.0
+        choose(self.frusta.iter().map(|frustum| frustum.rank(position)))
     }
 
     /// The same frusta with another number of samples.
@@ -166,8 +163,80 @@ impl RectifiedLight {
     /// If `samples` is less than 2.
     #[must_use]
     pub fn with_samples(&self, samples: usize) -> RectifiedLight {
-        RectifiedLight { frusta: self.frusta.iter().map(|f| f.with_samples(samples)).collect() }
+        let frusta = self.frusta.iter().map(|frustum| frustum.with_samples(samples)).collect();
+        RectifiedLight { frusta, is_complete: self.is_complete }
     }
+}
+
+/// A direction across the light, and what is to be seen of the scene in it.
+struct Face {
+    frame: Frame,
+    /// In tangents, not yet cut.
+    extents: Extents,
+    /// Nearer than all that matters, in metres.
+    near: f64,
+}
+
+/// The faces around the light that hold what matters, with each receiver in one of them.
+fn faces(
+    axis: &Frame,
+    [a, b]: [Vec3; 2],
+    blockers: impl Iterator<Item = Vec3> + Clone,
+    receivers: impl Iterator<Item = Vec3> + Clone,
+) -> Vec<Face> {
+    let points = blockers.clone().chain(receivers.clone());
+    let across = |p: Vec3| Some(axis.across(p)).filter(|p| p.length_squared() > 0.0);
+    // The far end of the scene scales what must not be zero.
+    let reach = points.clone().map(|p| axis.across(p).length()).fold(0.0, f64::max).max(1e-6);
+    // A shadow stays in its blocker's plane through the light: either set will do.
+    let wedge = Wedge::around(blockers.clone().filter_map(across))
+        .narrower(Wedge::around(receivers.clone().filter_map(across)));
+    match wedge {
+        Wedge::Within(lo, hi) if lo.dot(hi) >= -0.5 => {
+            let frame = axis.turned(lo + hi);
+            let (extents, near) = fitted_extents(&frame, b, blockers, receivers, reach);
+            alloc::vec![Face { frame, extents, near }]
+        }
+        Wedge::Within(lo, hi) => {
+            let middle = (lo + hi).try_normalize().unwrap_or(-lo.perp());
+            // Half of each face's angle: a quarter of the wedge.
+            let face = (hi + middle).normalize();
+            let tangent = face.perp_dot(hi).abs() / face.dot(hi);
+            let frame = axis.turned(middle);
+            let depth = points.clone().map(|p| frame.depth(p)).fold(f64::INFINITY, f64::min);
+            // Nothing in a face is nearer than 0.7 of what the middle direction says.
+            let near = (depth * 0.7).max(reach * 1e-3);
+            let [left, right] = along_range(axis, [a, b], points, near);
+            let face = |forward| Face {
+                frame: axis.turned(forward),
+                extents: [left, -tangent, right, tangent],
+                near,
+            };
+            alloc::vec![face(lo + middle), face(middle + hi)]
+        }
+        Wedge::Around => {
+            let near = reach * 1e-3;
+            let [left, right] = along_range(axis, [a, b], points, near);
+            let face = |forward| Face {
+                frame: axis.turned(forward),
+                extents: [left, -1.0, right, 1.0],
+                near,
+            };
+            [DVec2::Y, DVec2::X, DVec2::NEG_Y, DVec2::NEG_X].map(face).into()
+        }
+    }
+}
+
+/// The planes on whose positive sides lies what is beyond the light's end `near`: it is seen from
+/// the `far` end at more than [`BEYOND`] along the light, and is past the near one. `sign` is that of
+/// the way from the far to the near end along the frame.
+fn end_planes(frame: &Frame, sign: f64, far: Vec3, near: Vec3) -> [Plane; 2] {
+    let along = frame.right * sign;
+    let plane = |normal: DVec3, through: Vec3| {
+        let offset = normal.dot(through.as_dvec3());
+        Plane(normal.extend(-offset).as_vec4().to_array())
+    };
+    [plane(along - frame.forward * BEYOND, far), plane(along, near)]
 }
 
 /// The directions that points take around the light's axis.
@@ -206,16 +275,15 @@ impl Wedge {
     }
 }
 
-/// The window that takes in, from both ends of the light, where `blockers` can throw a shadow and
-/// what throws it onto `receivers`; and a depth nearer than all of them.
-fn fitted_window(
+/// Where, from both ends of the light, `blockers` can throw a shadow and what throws it onto
+/// `receivers` is seen; and a depth nearer than all of them.
+fn fitted_extents(
     frame: &Frame,
     end: Vec3,
     mut blockers: impl Iterator<Item = Vec3>,
     mut receivers: impl Iterator<Item = Vec3>,
     reach: f64,
-    size: [u32; 2],
-) -> (Window, f64) {
+) -> (Extents, f64) {
     let length = frame.along(end);
     let nearest = reach * 1e-3;
     let mut most = 0.0_f64;
@@ -232,13 +300,11 @@ fn fitted_window(
     let sets = [see(&mut blockers), see(&mut receivers)];
     let [blockers, receivers] = sets.each_ref().map(|set| set.as_ref().map(|s| s.iter().copied()));
     let spread = Spread { views: [0.5 * length, 0.0], shadow: [length, 0.0] };
-    let Some(extents) = fit_extents(blockers, receivers, spread) else {
-        return (with_margin([-1.0, -1.0, 1.0, 1.0], size), nearest);
-    };
-    let [left, top, right, bottom] = extents;
-    let [left, right] = [left.max(-MAX_TANGENT), right.min(MAX_TANGENT)];
-    // A hair nearer than the nearest vertex, which rounding must not clip.
-    (with_margin([left, top, right, bottom], size), 0.999 / most)
+    match fit_extents(blockers, receivers, spread) {
+        // A hair nearer than the nearest vertex, which rounding must not clip.
+        Some(extents) => (extents, 0.999 / most),
+        None => ([-1.0, -1.0, 1.0, 1.0], nearest),
+    }
 }
 
 /// The tangents along the light at which `points`, no nearer than `nearest`, can appear.
@@ -254,7 +320,7 @@ fn along_range(
         least = least.min(frame.along(p) - length);
         most = most.max(frame.along(p));
     }
-    [(least / nearest).max(-MAX_TANGENT), (most / nearest).min(MAX_TANGENT)]
+    [least / nearest, most / nearest]
 }
 
 /// A window with a few texels to spare on every side, and never without extent.

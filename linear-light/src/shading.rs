@@ -8,10 +8,8 @@ use shadowmap_core::{
 
 use crate::counters::Tally;
 use crate::lookup::{Sample, between};
-use crate::{Counters, SampleViews, VisibilityChannels};
-
-/// The most frusta of one light.
-const MAX_FRUSTA: usize = 4;
+use crate::views::choose;
+use crate::{Counters, MAX_FRUSTA, SampleViews, VisibilityChannels};
 
 /// What receivers are shaded with: the maps of all samples of one frustum, and the visibility
 /// channels made of them.
@@ -83,6 +81,16 @@ impl<'a> SkinShadow<'a> {
         match self.samples {
             Samples::Rectified(views) => views.views(),
             Samples::Unrelated(views) => views,
+        }
+    }
+
+    /// See [`SampleViews::rank`].
+    fn rank(&self, position: Vec3) -> (f32, bool) {
+        match self.samples {
+            Samples::Rectified(views) => views.rank(position),
+            Samples::Unrelated(views) => {
+                (views[0].axes()[2].dot(position - self.position(0)), false)
+            }
         }
     }
 
@@ -262,21 +270,21 @@ impl<'a> SkinShadow<'a> {
 }
 
 /// Writes the visibility of a light from every pixel of the camera, row-major. `frusta` are those
-/// of one light, at most four. Pixels that see nothing get 0, and so do surfaces that turn away
+/// of one light, at most [`MAX_FRUSTA`]. Pixels that see nothing get 0, and so do surfaces that turn away
 /// from the whole light.
 ///
 /// Every number of threads gives the same bits.
 ///
 /// # Panics
 ///
-/// If there is no frustum or more than four, or `out` has another length than the camera has pixels.
+/// If there is no frustum or more than [`MAX_FRUSTA`], or `out` has another length than the camera has pixels.
 pub fn visibility(
     camera: &Camera<'_>,
     frusta: &[SkinShadow<'_>],
     threads: Threads,
     out: &mut [f32],
 ) -> Counters {
-    assert!((1..=MAX_FRUSTA).contains(&frusta.len()), "a light has one to four frusta");
+    assert!((1..=MAX_FRUSTA).contains(&frusta.len()), "a light has from 1 to {MAX_FRUSTA} frusta");
     assert_eq!(out.len(), camera.map().nearness().len(), "one visibility per pixel");
     let width = camera.map().width() as usize;
     let mut warps = [Warp::new(camera.view(), &frusta[0].views()[0]); MAX_FRUSTA];
@@ -330,14 +338,7 @@ fn frustum_of(frusta: &[SkinShadow<'_>], position: Vec3) -> usize {
     if frusta.len() == 1 {
         return 0;
     }
-    let mut best = (0, f32::NEG_INFINITY);
-    for (index, shadow) in frusta.iter().enumerate() {
-        let depth = shadow.views()[0].axes()[2].dot(position - shadow.position(0));
-        if depth > best.1 {
-            best = (index, depth);
-        }
-    }
-    best.0
+    choose(frusta.iter().map(|shadow| shadow.rank(position)))
 }
 
 /// What the rows of texels above and below a coordinate count for.

@@ -8,7 +8,7 @@
 use alloc::vec::Vec;
 
 use glam::{DVec2, DVec3, Vec3};
-use shadowmap_core::{LightPoint, View, Window};
+use shadowmap_core::{LightPoint, Plane, View, Window};
 
 /// The rectified views of one frustum: `len()` samples at equal steps from end to end of the
 /// light.
@@ -21,6 +21,9 @@ pub struct SampleViews {
     window: Window,
     near: f32,
     disparity: f32,
+    /// If this is the frustum beyond one end of the light: receivers on the positive side of both
+    /// belong to it, and not to the frustum with the same axes that comes before it.
+    beyond: Option<[Plane; 2]>,
 }
 
 impl SampleViews {
@@ -44,7 +47,7 @@ impl SampleViews {
         assert!(samples >= 2, "a linear light needs a sample at either end");
         let axes = Frame::new(a, b, towards).axes();
         let mut rectified =
-            SampleViews { views: Vec::new(), a, b, axes, window, near, disparity: 0.0 };
+            SampleViews { views: Vec::new(), a, b, axes, window, near, disparity: 0.0, beyond: None };
         let first = rectified.view(a, width, height);
         let step = a.as_dvec3().distance(b.as_dvec3()) / (samples - 1) as f64;
         rectified.disparity = (f64::from(first.focal().x) * step) as f32;
@@ -68,9 +71,22 @@ impl SampleViews {
         self.view(self.a + (self.b - self.a) * t, width, height)
     }
 
-    /// Distance of a position from the light's line along the view axis, in metres.
-    pub(crate) fn depth_of(&self, position: Vec3) -> f32 {
-        self.axes[2].dot(position - self.a)
+    /// The same as the frustum beyond an end of the light, see `beyond`.
+    pub(crate) fn beyond_end(self, planes: [Plane; 2]) -> SampleViews {
+        SampleViews { beyond: Some(planes), ..self }
+    }
+
+    pub(crate) fn beyond(&self) -> Option<[Plane; 2]> {
+        self.beyond
+    }
+
+    /// Distance of a position from the light's line along the view axis, in metres, and whether it
+    /// lies beyond the end of the light that this is the frustum of: for [`choose`].
+    pub(crate) fn rank(&self, position: Vec3) -> (f32, bool) {
+        let depth = self.axes[2].dot(position - self.a);
+        let p = position.extend(1.0).to_array();
+        let is_beyond = |planes: [Plane; 2]| planes.iter().all(|plane| plane.side_of(p) > 0.0);
+        (depth, self.beyond.is_some_and(is_beyond))
     }
 
     /// The same frustum with another number of samples.
@@ -81,7 +97,9 @@ impl SampleViews {
     #[must_use]
     pub fn with_samples(&self, samples: usize) -> SampleViews {
         let size = [self.views[0].width(), self.views[0].height()];
-        SampleViews::new(self.a, self.b, samples, self.axes[2], self.window, size, self.near)
+        let views =
+            SampleViews::new(self.a, self.b, samples, self.axes[2], self.window, size, self.near);
+        SampleViews { beyond: self.beyond, ..views }
     }
 
     fn view(&self, eye: Vec3, width: u32, height: u32) -> View {
@@ -143,10 +161,23 @@ impl SampleViews {
     }
 }
 
+/// The frustum that a receiver belongs to, from what [`SampleViews::rank`] says of each: the one whose
+/// view axis is nearest to it, and of those with the same axes the one beyond the light's end if
+/// the receiver lies there.
+pub(crate) fn choose(ranks: impl Iterator<Item = (f32, bool)>) -> usize {
+    let mut best = (0, f32::NEG_INFINITY);
+    for (index, (depth, is_beyond)) in ranks.enumerate() {
+        if depth > best.1 || (depth == best.1 && is_beyond) {
+            best = (index, depth);
+        }
+    }
+    best.0
+}
+
 /// Right (along the light), down and forward, in double precision, around the light's first end.
 pub(crate) struct Frame {
-    origin: DVec3,
-    right: DVec3,
+    pub origin: DVec3,
+    pub right: DVec3,
     pub down: DVec3,
     pub forward: DVec3,
 }

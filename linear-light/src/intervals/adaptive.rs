@@ -7,7 +7,6 @@
 
 use alloc::{vec, vec::Vec};
 
-use glam::Vec3;
 use shadowmap_core::{Camera, DepthMap};
 
 use super::frame::{Facing, Frame, Frustum, FrustumMaps, UNKNOWN, point};
@@ -15,6 +14,8 @@ use super::run::{Probe, Vertex};
 use super::scan::REACH;
 use super::search::{MapSearch, Tilt};
 use super::{INTERVAL_BIAS, check};
+use crate::MAX_FRUSTA;
+use crate::views::choose;
 
 /// When a segment is split, and when no more.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +128,7 @@ pub fn disagreement(
     let maps = &frusta[index];
     let frustum = Frustum::new(camera.view(), maps, &[]);
     let ends = maps.views.ends().map(point);
-    let frame = Frame { camera: *camera, frusta: [None; 4], ends, bias: INTERVAL_BIAS };
+    let frame = Frame { camera: *camera, frusta: [None; MAX_FRUSTA], ends, bias: INTERVAL_BIAS };
     let nearest = map.nearness().iter().fold(0.0_f32, |most, &n| most.max(n));
     let trial = Trial { frame: &frame, frustum: &frustum, segment, t, map, nearest };
     let stride = options.stride.max(1) as usize;
@@ -139,7 +140,8 @@ pub fn disagreement(
             let own = nearness > 0.0
                 && (frusta.len() == 1 || {
                     let (u, v) = (x as f32 + 0.5, y as f32 + 0.5);
-                    frustum_of(frusta, camera.view().world_from_texel(u, v, nearness)) == index
+                    let position = camera.view().world_from_texel(u, v, nearness);
+                    choose(frusta.iter().map(|maps| maps.views.rank(position))) == index
                 });
             if own && let Some([predicted, hard]) = trial.ask(x, y, nearness) {
                 found.receivers += 1;
@@ -148,18 +150,6 @@ pub fn disagreement(
         }
     }
     found
-}
-
-/// See [`crate::RectifiedLight::frustum_of`].
-fn frustum_of(frusta: &[FrustumMaps<'_>], position: Vec3) -> usize {
-    let mut best = (0, f32::NEG_INFINITY);
-    for (index, frustum) in frusta.iter().enumerate() {
-        let depth = frustum.views.views()[0].axes()[2].dot(position - frustum.views.ends()[0]);
-        if depth > best.1 {
-            best = (index, depth);
-        }
-    }
-    best.0
 }
 
 /// What one segment and the map from its middle are asked about.

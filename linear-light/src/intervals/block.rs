@@ -3,17 +3,19 @@
 use shadowmap_core::{Camera, Plane, Surfaces};
 
 use super::bounds::BAND;
-use super::frame::{Facing, Frame, Frustum, MAX_FRUSTA, UNKNOWN};
+use super::frame::{Facing, Frame, Frustum, UNKNOWN};
 use super::group::{Group, Part, Scratch};
 use super::lanes::{INDEX, Ids, LANES, Lanes, Ops, lanes};
-use super::receivers::{Pixels, from_row, in_row, warp_row};
+use super::receivers::{Pixels, Receivers, from_row, in_row, warp_row};
+use crate::MAX_FRUSTA;
 
 /// What was done for the receivers of a camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Pixels where the camera sees something.
     pub receivers: u64,
-    /// Receivers outside all maps. They count as lit.
+    /// Receivers outside the map from the middle of the light. They are lit as far as the maps show
+    /// nothing that hides it.
     pub outside: u64,
     /// Receivers for which rows of the maps were searched; all others were decided as a whole.
     pub searched: u64,
@@ -110,8 +112,9 @@ impl Block {
         let width = frame.camera.map().width() as usize;
         let all = self.receivers(ops);
         counters.receivers += u64::from(all.count_ones());
-        for (index, frustum) in frame.frusta.iter().flatten().enumerate() {
-            let left = all & self.in_frustum(ops, &frame.frusta, index);
+        let shares = self.shares(ops, &frame.frusta);
+        for (frustum, share) in frame.frusta.iter().flatten().zip(shares) {
+            let left = all & share;
             if left != 0 {
                 self.divide(ops, frame, frustum, left, scratch, counters, open);
             }
@@ -144,8 +147,9 @@ impl Block {
             left &= !pixels;
             let Some(facing) = Facing::new(frame, plane) else { continue };
             fill(ops, open, pixels, facing.open());
-            let pixels_inside = pixels & scratch.receivers[slot].inside;
-            counters.outside += u64::from((pixels & !pixels_inside).count_ones());
+            let Receivers { inside, beside, .. } = scratch.receivers[slot];
+            let pixels_inside = pixels & inside;
+            counters.outside += u64::from((pixels & !(inside & !beside)).count_ones());
             if pixels_inside == 0 {
                 continue;
             }
@@ -250,34 +254,37 @@ impl Block {
         same
     }
 
-    /// The pixels that belong to frustum `index`: those that no other frustum sees less from the
-    /// side.
+    /// The pixels that belong to each frustum, as [`crate::RectifiedLight::frustum_of`] has it.
     #[inline(always)]
-    fn in_frustum(
+    fn shares(
         &self,
         ops: impl Ops,
         frusta: &[Option<Frustum<'_>>; MAX_FRUSTA],
-        index: usize,
-    ) -> Pixels {
-        let mut pixels = Pixels::MAX;
-        let Some(own) = &frusta[index] else { return 0 };
-        for (other_index, other) in frusta.iter().flatten().enumerate() {
-            if other_index == index {
-                continue;
-            }
-            for (y, nearness) in self.nearness.iter().enumerate() {
-                let at = [self.x, self.y + y];
-                let own_depth = warp_row(&own.warp[3], at, nearness);
-                let other_depth = warp_row(&other.warp[3], at, nearness);
-                let inside = if index < other_index {
-                    !ops.greater(&other_depth, &own_depth) & 0xffff
-                } else {
-                    ops.greater(&own_depth, &other_depth)
-                };
-                pixels &= !from_row(0xffff, y) | from_row(inside, y);
+    ) -> [Pixels; MAX_FRUSTA] {
+        let mut shares = [0; MAX_FRUSTA];
+        shares[0] = Pixels::MAX;
+        if frusta[1].is_none() {
+            return shares;
+        }
+        for (y, nearness) in self.nearness.iter().enumerate() {
+            let at = [self.x, self.y + y];
+            let mut best = [f32::NEG_INFINITY; LANES];
+            for (index, frustum) in frusta.iter().flatten().enumerate() {
+                let depth = warp_row(&frustum.warp[3], at, nearness);
+                let mut better = ops.greater(&depth, &best);
+                if let Some(planes) = &frustum.beyond {
+                    let [a, b] = planes.each_ref().map(|plane| warp_row(plane, at, nearness));
+                    let is_beyond = ops.greater(&a, &[0.0; LANES]) & ops.greater(&b, &[0.0; LANES]);
+                    better |= is_beyond & !ops.greater(&best, &depth);
+                }
+                best = ops.select(better, &depth, &best);
+                for share in &mut shares[..index] {
+                    *share &= !from_row(better, y);
+                }
+                shares[index] |= from_row(better, y);
             }
         }
-        pixels
+        shares
     }
 }
 

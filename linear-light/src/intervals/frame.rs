@@ -5,7 +5,7 @@ use shadowmap_core::{Bias, Camera, DepthMap, Plane, View, Warp};
 
 use super::bounds::Bounds;
 use super::scan::STEEPEST;
-use crate::SampleViews;
+use crate::{MAX_FRUSTA, SampleViews};
 
 /// One depth map of a linear light.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,9 @@ pub(super) struct Frustum<'a> {
     pub bounds: &'a [Bounds],
     /// Camera texel space to that of the map from the middle of the light.
     pub warp: [[f32; 4]; 4],
+    /// If it is that beyond an end of the light: the planes on whose positive sides its receivers
+    /// lie, in camera texel space.
+    pub beyond: Option<[[f32; 4]; 2]>,
     /// The directions of the world that are columns and rows, homogeneous.
     pub across: [[f32; 4]; 2],
     /// Texels of disparity per nearness from end to end of the light.
@@ -48,10 +51,14 @@ impl<'a> Frustum<'a> {
         let rows = middle.inverse_rows();
         let focal = middle.focal();
         let segments = (maps.views.views().len() - 1) as f32;
+        let pull = camera.inverse_rows();
+        let in_camera =
+            |plane: Plane| [0, 1, 2, 3].map(|column| plane.side_of(pull.map(|row| row[column])));
         Frustum {
             samples: maps.samples,
             bounds,
             warp: *Warp::new(camera, &middle).rows(),
+            beyond: maps.views.beyond().map(|planes| planes.map(in_camera)),
             across: [0, 1].map(|column| rows.map(|row| row[column])),
             disparity: maps.views.disparity() * segments,
             footprint: [1.0 / focal.x, 1.0 / focal.y],
@@ -80,9 +87,6 @@ pub(super) struct Frame<'a> {
     pub ends: [[f32; 4]; 2],
     pub bias: Bias,
 }
-
-/// As many frusta as there are around a light.
-pub(super) const MAX_FRUSTA: usize = 4;
 
 /// The plane of receivers whose plane is not known: they count as parallel to the maps' image, and
 /// as above every horizon.

@@ -29,6 +29,8 @@ pub(super) struct Receivers {
     pub nearness: [Lanes; BAND],
     /// The pixels that lie in front of the light, between the first and the last row.
     pub inside: Pixels,
+    /// Those of them that the map from the middle of the light does not show.
+    pub beside: Pixels,
 }
 
 impl Receivers {
@@ -37,6 +39,7 @@ impl Receivers {
         row: [[0.0; LANES]; BAND],
         nearness: [[0.0; LANES]; BAND],
         inside: 0,
+        beside: 0,
     };
 
     /// Warps the pixels from (x, y) on, whose nearness for the camera is given.
@@ -48,9 +51,9 @@ impl Receivers {
         [x, y]: [usize; 2],
         nearness: &[Lanes; BAND],
     ) {
-        let height = [frustum.size[1] as f32; LANES];
+        let [width, height] = frustum.size.map(|size| [size as f32; LANES]);
         let (none, most) = ([0.0; LANES], [f32::MAX; LANES]);
-        self.inside = 0;
+        (self.inside, self.beside) = (0, 0);
         for (row, nearness) in nearness.iter().enumerate() {
             let at = [x, y + row];
             let q = warp_row(&frustum.warp[3], at, nearness);
@@ -63,7 +66,9 @@ impl Receivers {
                 & ops.greater(&height, &v)
                 & ops.greater(&most, &lanes(|i| u[i].abs()))
                 & ops.greater(&most, &lanes(|i| w[i].abs()));
+            let shown = ops.greater(&u, &none) & ops.greater(&width, &u);
             self.inside |= from_row(inside, row);
+            self.beside |= from_row(inside & !shown, row);
             (self.column[row], self.row[row], self.nearness[row]) = (u, v, w);
         }
     }
