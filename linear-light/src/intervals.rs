@@ -68,9 +68,9 @@ pub use adaptive::{AdaptiveOptions, AdaptiveSamples, Disagreement, disagreement}
 pub use block::Counters as IntervalCounters;
 pub use frame::{FrustumMaps, SampleMap};
 
+use crate::MAX_FRUSTA;
 use bounds::{BAND, Bounds};
 use frame::{Frame, Frustum, point};
-use crate::MAX_FRUSTA;
 use group::Scratch;
 use kernels::{Job, run};
 

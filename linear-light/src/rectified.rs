@@ -21,6 +21,10 @@ const LAST_TANGENT: f64 = 128.0;
 /// How far those reach back over the light's end.
 const BACK: f64 = 0.25;
 
+/// How much closer to the light's line they see: as close as a blocker right at the light's end comes to
+/// it.
+const NEARER: f64 = 1.0 / 64.0;
+
 /// How many fewer rows than the others their maps have. There the scene is seen so slantwise that
 /// rows lie close to each other.
 const FEWER_ROWS: u32 = 4;
@@ -100,13 +104,13 @@ impl RectifiedLight {
         let mut frusta = Vec::new();
         for Face { frame, extents, near } in &faces {
             let towards = frame.forward.as_vec3();
-            let views = |[left, top, right, bottom]: Extents, size| {
-                let window = with_margin([left, top, right, bottom], size);
-                SampleViews::new(a, b, samples, towards, window, size, *near as f32)
+            let views = |extents: Extents, size, near: f64| {
+                let window = with_margin(extents, size);
+                SampleViews::new(a, b, samples, towards, window, size, near as f32)
             };
             let [left, top, right, bottom] = *extents;
             let cut = [left.max(-MAX_TANGENT), top, right.min(MAX_TANGENT), bottom];
-            frusta.push(views(cut, size));
+            frusta.push(views(cut, size, *near));
             let far = size[1].div_ceil(FEWER_ROWS);
             let ends = [
                 (left < -MAX_TANGENT, end_planes(frame, -1.0, b, a)),
@@ -121,7 +125,8 @@ impl RectifiedLight {
                     receivers.clone().any(|p| plane.side_of(p.extend(1.0).to_array()) > 0.0)
                 };
                 if is_cut && planes.iter().all(may_hold) {
-                    frusta.push(views(window, [size[0], far]).beyond_end(planes));
+                    let views = views(window, [size[0], far], near * NEARER);
+                    frusta.push(views.beyond_end(planes));
                 }
             }
         }

@@ -46,8 +46,16 @@ impl SampleViews {
     ) -> SampleViews {
         assert!(samples >= 2, "a linear light needs a sample at either end");
         let axes = Frame::new(a, b, towards).axes();
-        let mut rectified =
-            SampleViews { views: Vec::new(), a, b, axes, window, near, disparity: 0.0, beyond: None };
+        let mut rectified = SampleViews {
+            views: Vec::new(),
+            a,
+            b,
+            axes,
+            window,
+            near,
+            disparity: 0.0,
+            beyond: None,
+        };
         let first = rectified.view(a, width, height);
         let step = a.as_dvec3().distance(b.as_dvec3()) / (samples - 1) as f64;
         rectified.disparity = (f64::from(first.focal().x) * step) as f32;

@@ -272,8 +272,9 @@ impl Block {
             for (index, frustum) in frusta.iter().flatten().enumerate() {
                 let depth = warp_row(&frustum.warp[3], at, nearness);
                 let mut better = ops.greater(&depth, &best);
-                if let Some(planes) = &frustum.beyond {
-                    let [a, b] = planes.each_ref().map(|plane| warp_row(plane, at, nearness));
+                if let Some(beyond) = &frustum.beyond {
+                    let [a, b] =
+                        beyond.planes.each_ref().map(|plane| warp_row(plane, at, nearness));
                     let is_beyond = ops.greater(&a, &[0.0; LANES]) & ops.greater(&b, &[0.0; LANES]);
                     better |= is_beyond & !ops.greater(&best, &depth);
                 }

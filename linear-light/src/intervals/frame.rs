@@ -33,9 +33,8 @@ pub(super) struct Frustum<'a> {
     pub bounds: &'a [Bounds],
     /// Camera texel space to that of the map from the middle of the light.
     pub warp: [[f32; 4]; 4],
-    /// If it is that beyond an end of the light: the planes on whose positive sides its receivers
-    /// lie, in camera texel space.
-    pub beyond: Option<[[f32; 4]; 2]>,
+    /// If it is that beyond an end of the light.
+    pub beyond: Option<Beyond>,
     /// The directions of the world that are columns and rows, homogeneous.
     pub across: [[f32; 4]; 2],
     /// Texels of disparity per nearness from end to end of the light.
@@ -43,6 +42,17 @@ pub(super) struct Frustum<'a> {
     /// The footprint of a texel along a row and down the map, as a fraction of the nearness.
     pub footprint: [f32; 2],
     pub size: [u32; 2],
+}
+
+/// What is special about a frustum beyond an end of the light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beyond {
+    /// The planes on whose positive sides its receivers lie, in camera texel space.
+    pub planes: [[f32; 4]; 2],
+    /// The column straight across from where the map is taken.
+    pub center: f32,
+    /// How far from it a column may be as the far end of the light sees it.
+    pub most: f32,
 }
 
 impl<'a> Frustum<'a> {
@@ -54,11 +64,19 @@ impl<'a> Frustum<'a> {
         let pull = camera.inverse_rows();
         let in_camera =
             |plane: Plane| [0, 1, 2, 3].map(|column| plane.side_of(pull.map(|row| row[column])));
+        let window = maps.views.window();
+        let center = -window.left * focal.x;
+        let beyond = maps.views.beyond().map(|planes| Beyond {
+            planes: planes.map(in_camera),
+            center,
+            // Half a texel inside the map.
+            most: center.max(middle.width() as f32 - center) - 0.5,
+        });
         Frustum {
             samples: maps.samples,
             bounds,
             warp: *Warp::new(camera, &middle).rows(),
-            beyond: maps.views.beyond().map(|planes| planes.map(in_camera)),
+            beyond,
             across: [0, 1].map(|column| rows.map(|row| row[column])),
             disparity: maps.views.disparity() * segments,
             footprint: [1.0 / focal.x, 1.0 / focal.y],

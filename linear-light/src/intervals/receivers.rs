@@ -1,7 +1,7 @@
 //! The receivers of a block as the map from the middle of the light sees them.
 
 use super::bounds::BAND;
-use super::frame::Frustum;
+use super::frame::{Beyond, Frustum};
 use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, min};
 
 /// One bit per pixel of a block, row after row.
@@ -58,9 +58,14 @@ impl Receivers {
             let at = [x, y + row];
             let q = warp_row(&frustum.warp[3], at, nearness);
             let one = lanes(|i| 1.0 / q[i]);
-            let u = times(warp_row(&frustum.warp[0], at, nearness), &one);
-            let v = times(warp_row(&frustum.warp[1], at, nearness), &one);
-            let w = times(warp_row(&frustum.warp[2], at, nearness), &one);
+            let mut u = times(warp_row(&frustum.warp[0], at, nearness), &one);
+            let mut v = times(warp_row(&frustum.warp[1], at, nearness), &one);
+            let mut w = times(warp_row(&frustum.warp[2], at, nearness), &one);
+            if let Some(beyond) = &frustum.beyond {
+                away_from_line(ops, beyond, frustum.disparity, &mut u, &mut w);
+                // So close to the line, rounding carries receivers over the frustum's sides.
+                v = lanes(|i| min(max(v[i], 0.25), height[i] - 0.25));
+            }
             let inside = ops.greater(&q, &none)
                 & ops.greater(&v, &none)
                 & ops.greater(&height, &v)
@@ -124,6 +129,24 @@ impl Extent {
             nearness: range(self.nearness, other.nearness),
         }
     }
+}
+
+/// Moves receivers that are too close to the light's line for the maps to show away from it, to
+/// where the maps end: half a degree at most.
+#[inline(always)]
+fn away_from_line(
+    ops: impl Ops,
+    beyond: &Beyond,
+    disparity: f32,
+    column: &mut Lanes,
+    nearness: &mut Lanes,
+) {
+    let (center, most) = (beyond.center, beyond.most);
+    let far = lanes(|i| (column[i] - center).abs() + 0.5 * disparity * nearness[i]);
+    let kept = lanes(|i| most / far[i]);
+    let kept = ops.select(ops.greater(&far, &[most; LANES]), &kept, &[1.0; LANES]);
+    *column = lanes(|i| center + (column[i] - center) * kept[i]);
+    *nearness = lanes(|i| nearness[i] * kept[i]);
 }
 
 /// One row of a warp for sixteen pixels from (x, y) on.
