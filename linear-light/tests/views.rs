@@ -1,7 +1,7 @@
 //! Rectified views: one window, rows in common, frusta that leave no receiver out.
 
-use glam::Vec3;
-use linear_light::{MAX_TANGENT, RectifiedLight, SampleViews};
+use glam::{Vec3, Vec3Swizzles};
+use linear_light::{MAX_FRUSTA, RectifiedLight, SampleViews};
 use proptest::prelude::*;
 use shadowmap_core::Window;
 
@@ -54,43 +54,68 @@ fn every_sample_sees_every_point() {
     }
 }
 
-#[test]
-fn a_light_in_the_room_has_four_frusta_that_share_the_room_out() {
-    let (a, b) = (Vec3::new(-0.5, 0.2, 0.1), Vec3::new(0.5, 0.2, 0.1));
-    let light = RectifiedLight::fit(a, b, 2, [256, 256], room());
-    assert_eq!(light.frusta().len(), 4);
-    let mut beyond = 0;
-    for i in 0..4096 {
-        let p = Vec3::new((i % 16) as f32, (i / 16 % 16) as f32, (i / 256) as f32) * 0.39 - 2.9;
-        let views = &light.frusta()[light.frustum_of(p)];
-        for view in views.views() {
-            let seen = view.texel_from_world(p).expect("in front of its own frustum");
-            assert!(seen.y >= 0.0 && seen.y <= 256.0, "{p} {seen}");
-            let inside = seen.x >= 0.0 && seen.x <= 256.0;
-            let across = (p - a).reject_from(Vec3::X).length();
-            let along = (p.x - view.eye()[0]).abs();
-            // Outside the windows are the end caps alone: 14 degrees, at a corner 19.
-            assert!(inside || along > across * (MAX_TANGENT as f32) * 0.7);
-            beyond += usize::from(!inside);
-        }
-    }
-    assert!(beyond > 0 && beyond < 200, "{beyond}");
+/// Where the samples of its own frustum have `p`: whether all do inside their windows.
+fn is_shown(light: &RectifiedLight, p: Vec3) -> bool {
+    let views = &light.frusta()[light.frustum_of(p)];
+    views.views().iter().all(|view| {
+        let seen = view.texel_from_world(p).expect("in front of its own frustum");
+        let (width, height) = (view.width() as f32, view.height() as f32);
+        assert!(seen.y >= 0.0 && seen.y <= height, "{p} {seen}");
+        assert!(seen.z < view.max_nearness());
+        seen.x >= 0.0 && seen.x <= width
+    })
 }
 
 #[test]
-fn a_light_close_above_a_floor_has_two_frusta() {
-    let (a, b) = (Vec3::new(-1.0, 0.6, 0.0), Vec3::new(1.0, 0.6, 0.0));
-    let light = RectifiedLight::fit(a, b, 2, [256, 256], GROUND.into_iter());
-    assert_eq!(light.frusta().len(), 2);
-    for i in 0..400 {
-        let p = Vec3::new((i % 20) as f32 * 0.1 - 0.95, 0.0, (i / 20) as f32 * 0.5 - 4.75);
-        let views = &light.frusta()[light.frustum_of(p)];
-        for view in views.views() {
-            let seen = view.texel_from_world(p).expect("in front of its own frustum");
-            assert!(seen.x >= 0.0 && seen.x <= 256.0 && seen.y >= 0.0 && seen.y <= 256.0);
-            assert!(seen.z < view.max_nearness());
+fn the_frusta_of_a_light_in_a_room_share_the_room_out() {
+    let (a, b) = (Vec3::new(-0.5, 0.2, 0.1), Vec3::new(0.5, 0.2, 0.1));
+    let light = RectifiedLight::fit(a, b, 2, [256, 256], room());
+    assert_eq!(light.frusta().len(), MAX_FRUSTA);
+    let mut unseen = 0;
+    for i in 0..4096 {
+        let p = Vec3::new((i % 16) as f32, (i / 16 % 16) as f32, (i / 256) as f32) * 0.39 - 2.9;
+        if !is_shown(&light, p) {
+            // Only what is right beside the light itself.
+            assert!(p.x.abs() <= 0.5 && p.yz().distance(a.yz()) < 0.5, "{p}");
+            unseen += 1;
         }
     }
+    assert!(unseen < 10, "{unseen}");
+}
+
+#[test]
+fn a_light_that_points_at_the_ground_shows_all_of_it_but_half_a_degree() {
+    let (a, b) = (Vec3::new(0.1, 4.0, -0.2), Vec3::new(0.4, 3.0, 0.3));
+    let light = RectifiedLight::fit(a, b, 2, [256, 256], GROUND.into_iter());
+    // Four faces, with one frustum beyond the lower end each.
+    assert_eq!(light.frusta().len(), 8);
+    let axis = (b - a).normalize();
+    let mut unseen = 0;
+    for i in 0..10_000 {
+        let p = Vec3::new((i % 100) as f32 * 0.1 - 4.95, 0.0, (i / 100) as f32 * 0.1 - 4.95);
+        if !is_shown(&light, p) {
+            assert!((p - a).normalize().cross(axis).length() < 0.01, "{p}");
+            unseen += 1;
+        }
+    }
+    assert!(unseen < 10, "{unseen}");
+}
+
+#[test]
+fn only_the_end_that_receivers_lie_beyond_has_a_frustum_of_its_own() {
+    let (a, b) = (Vec3::new(-1.0, 0.6, 0.0), Vec3::new(1.0, 0.6, 0.0));
+    let whole = RectifiedLight::fit(a, b, 2, [256, 256], GROUND.into_iter());
+    // Two faces for more than 120 degrees, both ends.
+    assert_eq!(whole.frusta().len(), 6);
+    assert!(!whole.is_complete());
+    for i in 0..400 {
+        let p = Vec3::new((i % 20) as f32 * 0.5 - 4.95, 0.0, (i / 20) as f32 * 0.5 - 4.75);
+        assert!(is_shown(&whole, p), "{p}");
+    }
+    let half = GROUND.map(|p| p.max(Vec3::new(-1.0, 0.0, -9.0)));
+    let half =
+        RectifiedLight::fit_around(a, b, 2, [256, 256], GROUND.into_iter(), half.into_iter());
+    assert_eq!(half.frusta().len(), 4);
 }
 
 #[test]

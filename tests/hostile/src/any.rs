@@ -159,6 +159,11 @@ impl<'a> Bytes<'a> {
         self.map_that(false, size)
     }
 
+    /// A map of any surfaces for each of the views, of its size.
+    pub fn maps_of(&mut self, views: &[View]) -> Vec<Map> {
+        views.iter().map(|view| self.map([view.width(), view.height()])).collect()
+    }
+
     /// A background with rectangles in front of it; unless it is to be `sound`, anywhere, or noise.
     pub fn map_that(&mut self, sound: bool, size: [u32; 2]) -> Map {
         let texels = size[0] as usize * size[1] as usize;

@@ -11,7 +11,7 @@ pub fn check(bytes: &[u8]) {
     let (samples, size) = (2 + bytes.up_to(2) as usize, bytes.size(28));
     let light = skins::light(bytes, samples, size);
     let maps: Vec<Vec<Map>> =
-        (light.frusta().iter()).map(|_| (0..samples).map(|_| bytes.map(size)).collect()).collect();
+        light.frusta().iter().map(|frustum| bytes.maps_of(frustum.views())).collect();
     let size = bytes.size(20);
     let (view, map) = (bytes.view(size), bytes.map(size));
     let table: Vec<Surface> = (0..4).map(|id| Surface { normal: bytes.normal(), id }).collect();

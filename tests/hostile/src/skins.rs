@@ -45,21 +45,10 @@ pub fn check(bytes: &[u8]) {
     areas(bytes);
     let is_rectified = bytes.flag();
     let light = light(bytes, samples, size);
-    let frusta = if is_rectified { light.frusta().len() } else { 1 };
-    let maps: Vec<Vec<Map>> =
-        (0..frusta).map(|_| (0..samples).map(|_| bytes.map(size)).collect()).collect();
-    let borrow = |maps: &[Map]| {
-        // Lifetimes end with `maps`, which outlives both uses.
-        maps.iter().map(|map| map.nearness.clone()).collect::<Vec<_>>()
-    };
-    let nearness: Vec<Vec<Vec<f32>>> = maps.iter().map(|maps| borrow(maps)).collect();
-    let maps: Vec<Vec<DepthMap<'_>>> = nearness
-        .iter()
-        .map(|maps| {
-            let map = |texels| DepthMap::new(size[0], size[1], texels, &[]);
-            maps.iter().map(|texels| map(texels).expect("one texel each")).collect()
-        })
-        .collect();
+    let frusta = if is_rectified { light.frusta() } else { &light.frusta()[..1] };
+    let maps: Vec<Vec<Map>> = frusta.iter().map(|frustum| bytes.maps_of(frustum.views())).collect();
+    let maps: Vec<Vec<DepthMap<'_>>> =
+        maps.iter().map(|maps| maps.iter().map(Map::as_depth_map).collect()).collect();
     let views: Vec<View> = (0..samples).map(|_| bytes.view(size)).collect();
     let channels = |level: Level| -> Vec<VisibilityChannels> {
         let options = SkinOptions { level, ..options };
@@ -75,8 +64,8 @@ pub fn check(bytes: &[u8]) {
         each.collect()
     };
     let drawn = channels(Level::SCALAR);
-    let mut out = [(); 2].map(|()| vec![f32::NAN; size[0] as usize * size[1] as usize]);
-    for (a, b) in drawn.iter().zip(&channels(level)) {
+    for ((a, b), maps) in drawn.iter().zip(&channels(level)).zip(&maps) {
+        let mut out = [(); 2].map(|()| vec![f32::NAN; maps[0].nearness().len()]);
         for k in 0..samples {
             a.channel(k, &mut out[0]);
             b.channel(k, &mut out[1]);
