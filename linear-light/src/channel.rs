@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use shadowmap_core::{BandSlice, DepthMap, for_each_band};
+use shadowmap_core::{BandSlice, DepthMap, Level, for_each_band};
 
 use crate::discontinuity::{Rows, Side};
 use crate::skin_polygons::PolygonScratch;
@@ -20,7 +20,7 @@ const BAND: usize = 4;
 /// and the sum comes to 1.5, or to 0.5 the other way round. So what is kept here are the skins
 /// alone, for either end of each segment, and whether both samples see a point is decided where it
 /// is shaded ([`crate::SkinShadow`]). [`VisibilityChannels::channel`] gives the paper's V_k.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct VisibilityChannels {
     pub(crate) width: usize,
     pub(crate) height: usize,
@@ -30,14 +30,30 @@ pub struct VisibilityChannels {
     pub(crate) seen: Vec<f32>,
     /// The nearness that moves a skin's edge by one texel.
     pub(crate) texel_in_nearness: f32,
+    /// The instructions to shade with: those that the channels were drawn with.
+    pub(crate) level: Level,
     pub(crate) polygons: PolygonScratch,
+}
+
+impl Default for VisibilityChannels {
+    fn default() -> VisibilityChannels {
+        VisibilityChannels::new()
+    }
 }
 
 impl VisibilityChannels {
     /// Without maps yet.
     #[must_use]
     pub fn new() -> VisibilityChannels {
-        VisibilityChannels::default()
+        VisibilityChannels {
+            width: 0,
+            height: 0,
+            segments: 0,
+            seen: Vec::new(),
+            texel_in_nearness: 0.0,
+            level: Level::SCALAR,
+            polygons: PolygonScratch::default(),
+        }
     }
 
     /// Makes the channels of rectified maps, one map per view.
@@ -54,6 +70,7 @@ impl VisibilityChannels {
         let view = &views.views()[0];
         self.reset(views.views().len(), [view.width(), view.height()], maps);
         self.texel_in_nearness = 1.0 / views.disparity();
+        self.level = options.level;
         let (width, height) = (self.width, self.height);
         let row_len = 2 * self.segments * width;
         if width == 0 {

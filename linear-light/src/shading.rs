@@ -1,15 +1,17 @@
 //! Shading with visibility channels (section 3).
 
-use glam::{Vec2, Vec3};
-use shadowmap_core::{
-    BandSlice, Bias, Camera, DepthMap, LightPoint, Plane, Surfaces, Threads, View, Warp,
-    for_each_band,
-};
+mod image;
+mod sixteen;
 
-use crate::counters::Tally;
+use glam::{Vec2, Vec3};
+use shadowmap_core::{Bias, DepthMap, LightPoint, Plane, View};
+
+pub use image::visibility;
+
+use sixteen::{Sixteen, Tests};
+
 use crate::lookup::{Sample, between};
-use crate::views::choose;
-use crate::{Counters, MAX_FRUSTA, SampleViews, VisibilityChannels};
+use crate::{SampleViews, VisibilityChannels};
 
 /// What receivers are shaded with: the maps of all samples of one frustum, and the visibility
 /// channels made of them.
@@ -109,8 +111,15 @@ impl<'a> SkinShadow<'a> {
     pub fn light(&self, position: Vec3, normal: Vec3, add: impl FnMut(usize, f32)) -> f32 {
         let plane = Plane([normal.x, normal.y, normal.z, -normal.dot(position)]);
         let surface = self.surface(plane, 1.0);
-        let seen = self.views()[0].texel_from_world(position);
-        self.look_up(&surface, position, seen, add).visibility
+        let Some(above) = surface.above else { return 0.0 };
+        let point = self.views()[0].texel_from_world(position).map(|p| LightPoint {
+            u: p.x,
+            v: p.y,
+            nearness: p.z,
+            slope: surface.slope,
+        });
+        let receiver = Receiver { point, position, plane: &surface.plane, above };
+        self.seen_by(&receiver, self.test_all(&receiver), add)
     }
 
     /// Where on the light sample `k` is.
@@ -139,42 +148,46 @@ impl<'a> SkinShadow<'a> {
         Surface { plane, slope: plane.slope_in(&views[0]), above }
     }
 
-    /// What the frustum says of a receiver at `position`, which the first sample sees at `seen`.
+    /// Which samples see a receiver.
     #[inline(always)]
-    fn look_up(
-        &self,
-        surface: &Surface,
-        position: Vec3,
-        seen: Option<Vec3>,
-        mut add: impl FnMut(usize, f32),
-    ) -> LookUp {
-        let Some(above) = surface.above else {
-            return LookUp { visibility: 0.0, outside: false };
-        };
-        let slope = surface.slope;
-        let point = seen.map(|p| LightPoint { u: p.x, v: p.y, nearness: p.z, slope });
-        let receiver = Receiver { point, position, plane: &surface.plane, above };
-        // Most receivers are seen by all samples, or by none.
-        let (mut all, mut any, mut outside) = (true, false, false);
+    fn test_all(&self, receiver: &Receiver<'_>) -> Test {
+        let mut found = Test { all: true, any: false, outside: false };
         for k in 0..self.maps.len() {
-            let (sample, lit) = self.test(&receiver, k);
-            outside |= sample.is_none();
-            all &= lit[0] & lit[1];
-            any |= lit[0] | lit[1];
+            let (sample, lit) = self.test(receiver, k);
+            found.outside |= sample.is_none();
+            found.all &= lit[0] & lit[1];
+            found.any |= lit[0] | lit[1];
         }
-        let visibility = if all && above == [0.0, 1.0] {
+        found
+    }
+
+    /// [`SkinShadow::test_all`] of sixteen receivers; `None` where that is not done at once.
+    #[inline(always)]
+    fn test_sixteen(&self, sixteen: &Sixteen) -> Option<Tests> {
+        match self.samples {
+            Samples::Rectified(views) if !self.maps[0].nearness().is_empty() => {
+                Some(sixteen.test(views.disparity(), self.bias, self.maps))
+            }
+            _ => None,
+        }
+    }
+
+    /// How much of the light a receiver sees; `add` gets what falls to each sample.
+    #[inline(always)]
+    fn seen_by(&self, receiver: &Receiver<'_>, test: Test, mut add: impl FnMut(usize, f32)) -> f32 {
+        // Most receivers are seen by all samples, or by none.
+        if test.all && receiver.above == [0.0, 1.0] {
             let segments = self.maps.len() - 1;
             for k in 0..=segments {
                 let share = if k == 0 || k == segments { 0.5 } else { 1.0 };
                 add(k, share / segments as f32);
             }
             1.0
-        } else if any {
-            self.sum(&receiver, &mut add)
+        } else if test.any {
+            self.sum(receiver, &mut add)
         } else {
             0.0
-        };
-        LookUp { visibility, outside }
+        }
     }
 
     /// The receiver in the map of sample `k`, `None` outside it, and whether the sample sees it, by
@@ -269,78 +282,6 @@ impl<'a> SkinShadow<'a> {
     }
 }
 
-/// Writes the visibility of a light from every pixel of the camera, row-major. `frusta` are those
-/// of one light, at most [`MAX_FRUSTA`]. Pixels that see nothing get 0, and so do surfaces that turn away
-/// from the whole light.
-///
-/// Every number of threads gives the same bits.
-///
-/// # Panics
-///
-/// If there is no frustum or more than [`MAX_FRUSTA`], or `out` has another length than the camera has pixels.
-pub fn visibility(
-    camera: &Camera<'_>,
-    frusta: &[SkinShadow<'_>],
-    threads: Threads,
-    out: &mut [f32],
-) -> Counters {
-    assert!((1..=MAX_FRUSTA).contains(&frusta.len()), "a light has from 1 to {MAX_FRUSTA} frusta");
-    assert_eq!(out.len(), camera.map().nearness().len(), "one visibility per pixel");
-    let width = camera.map().width() as usize;
-    let mut warps = [Warp::new(camera.view(), &frusta[0].views()[0]); MAX_FRUSTA];
-    for (warp, shadow) in warps.iter_mut().zip(frusta) {
-        *warp = Warp::new(camera.view(), &shadow.views()[0]);
-    }
-    // Entries of a table are flat: neighbouring pixels with the same one share a plane.
-    let flat = matches!(camera.surfaces(), Surfaces::Table(_));
-    // The world is needed to choose a frustum, and by views that have nothing in common.
-    let in_world = frusta.len() > 1 || matches!(frusta[0].samples, Samples::Unrelated(_));
-    let tally = Tally::default();
-    for_each_band(threads, BandSlice { data: out, len: width.max(1) }, &|y, row| {
-        let mut counters = Counters::default();
-        let pixels = y * width..(y + 1) * width;
-        let ids = camera.map().ids().get(pixels.clone()).unwrap_or_default();
-        let mut run: Option<Run> = None;
-        for (x, (out, &n)) in row.data.iter_mut().zip(&camera.map().nearness()[pixels]).enumerate()
-        {
-            *out = 0.0;
-            // Not where the camera sees nothing, nor at a NaN.
-            if n > 0.0 {
-                counters.receivers += 1;
-                let (u, v) = (x as f32 + 0.5, y as f32 + 0.5);
-                let position =
-                    if in_world { camera.view().world_from_texel(u, v, n) } else { Vec3::ZERO };
-                let frustum = frustum_of(frusta, position);
-                let id = ids.get(x).copied().filter(|_| flat);
-                let run = match &mut run {
-                    Some(run) if id.is_some() && run.id == id && run.frustum == frustum => run,
-                    other => {
-                        let plane = camera.plane(x as u32, y as u32, n).1;
-                        let side = plane.side_of(camera.view().eye());
-                        let surface = frusta[frustum].surface(plane, side);
-                        other.insert(Run { id, frustum, surface })
-                    }
-                };
-                let seen = warps[frustum].at(u, v, n);
-                let found = frusta[frustum].look_up(&run.surface, position, seen, |_, _| {});
-                counters.outside += u32::from(found.outside);
-                *out = found.visibility;
-            }
-        }
-        tally.add(&counters);
-    });
-    tally.total()
-}
-
-/// The frustum that a receiver belongs to: see [`crate::RectifiedLight::frustum_of`].
-#[inline(always)]
-fn frustum_of(frusta: &[SkinShadow<'_>], position: Vec3) -> usize {
-    if frusta.len() == 1 {
-        return 0;
-    }
-    choose(frusta.iter().map(|shadow| shadow.rank(position)))
-}
-
 /// What the rows of texels above and below a coordinate count for.
 #[inline(always)]
 fn weights_at(v: f32) -> [f32; 2] {
@@ -350,20 +291,19 @@ fn weights_at(v: f32) -> [f32; 2] {
     [1.0 - below, below]
 }
 
-/// Neighbouring pixels of one surface in one frustum.
-struct Run {
-    id: Option<u32>,
-    frustum: usize,
-    surface: Surface,
-}
-
 /// What the receivers on one plane share.
+#[derive(Clone, Copy)]
 struct Surface {
     plane: Plane,
     /// Of the plane in the first sample's map.
     slope: Vec2,
     /// The parameters between which the light is above the plane; `None` if nothing of it is.
     above: Option<[f32; 2]>,
+}
+
+impl Surface {
+    /// One that no light falls on.
+    const HIDDEN: Surface = Surface { plane: Plane([0.0; 4]), slope: Vec2::ZERO, above: None };
 }
 
 /// A receiver, before any sample.
@@ -375,9 +315,13 @@ struct Receiver<'a> {
     above: [f32; 2],
 }
 
-/// What one frustum says of a receiver.
-struct LookUp {
-    visibility: f32,
-    /// Whether a sample has the receiver outside its map.
+/// Which samples see a receiver, by the texels in the rows next to it.
+#[derive(Clone, Copy)]
+struct Test {
+    /// Whether no texel hides it.
+    all: bool,
+    /// Whether not all texels hide it.
+    any: bool,
+    /// Whether some sample has it outside its map, where it counts as lit.
     outside: bool,
 }

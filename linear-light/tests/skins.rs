@@ -5,7 +5,7 @@ use linear_light::{
     SampleViews, SkinOptions, SkinShadow, Transition, VisibilityChannels, visibility,
 };
 use proptest::prelude::*;
-use shadowmap_core::{Bias, Camera, DepthMap, Level, Surfaces, Threads, View, Window};
+use shadowmap_core::{Bias, Camera, DepthMap, Level, Surface, Surfaces, Threads, View, Window};
 
 const SIZE: u32 = 256;
 
@@ -173,6 +173,52 @@ fn levels_and_threads_give_the_same_bits() {
     }
 }
 
+#[test]
+fn an_image_is_shaded_as_its_receivers_are() {
+    let views = views(3);
+    let maps = half_plane(&views);
+    let maps = borrowed(&maps);
+    // The ground, seen from the side: one surface, and every fifth pixel another one, or none.
+    let eye = Vec3::new(1.0, 3.0, 2.5);
+    let camera = View::perspective(eye, Vec3::ZERO, Vec3::Y, 0.4, 75, 40, 0.1);
+    let ids: Vec<u32> = (0..75 * 40).map(|i| if i > 1500 { 1 + (i % 5) / 4 } else { 1 }).collect();
+    let nearness: Vec<f32> = (0..75 * 40)
+        .map(|i| {
+            let ray = camera.world_from_texel((i % 75) as f32 + 0.5, (i / 75) as f32 + 0.5, 1.0);
+            if i % 77 == 0 { 0.0 } else { -(ray - eye).y / eye.y }
+        })
+        .collect();
+    let table =
+        [Surface::UNKNOWN, Surface { normal: Vec3::Y, id: 1 }, Surface { normal: Vec3::Y, id: 2 }];
+    let map = DepthMap::new(75, 40, &nearness, &ids).unwrap();
+    for surfaces in [Surfaces::Table(&table), Surfaces::FromDepth] {
+        let seen_by = Camera::new(&camera, map, surfaces).unwrap();
+        let mut expected = None;
+        for level in Level::available() {
+            let mut channels = VisibilityChannels::new();
+            let options = SkinOptions { level, ..SkinOptions::default() };
+            channels.draw_rectified(&views, &maps, &options);
+            let shadow = SkinShadow::rectified(&views, &maps, &channels, Bias::default());
+            let mut out = vec![f32::NAN; 75 * 40];
+            let counters = visibility(&seen_by, &[shadow], Threads::default(), &mut out);
+            assert_eq!(counters.receivers as usize, nearness.iter().filter(|n| **n > 0.0).count());
+            let mut partly = 0;
+            for (i, &v) in out.iter().enumerate() {
+                let (x, y) = ((i % 75) as f32 + 0.5, (i / 75) as f32 + 0.5);
+                let n = nearness[i];
+                let position = camera.world_from_texel(x, y, n);
+                let alone = if n > 0.0 { shadow.visibility(position, Vec3::Y) } else { 0.0 };
+                // Planes beside nothing cannot be told from depth.
+                let known = matches!(surfaces, Surfaces::Table(_));
+                assert!(!known || (v - alone).abs() < 0.01, "pixel {i}: {v} instead of {alone}");
+                partly += usize::from(v > 0.1 && v < 0.9);
+            }
+            assert!(partly > 500, "{partly} pixels in penumbra");
+            assert_eq!(*expected.get_or_insert_with(|| out.clone()), out, "{level:?}");
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn any_maps_and_receivers(
@@ -201,5 +247,11 @@ proptest! {
         let camera = Camera::new(&eye, map, Surfaces::FromDepth).unwrap();
         let mut seen = vec![0.0; 35];
         visibility(&camera, &[shadow], Threads::default(), &mut seen);
+        options.level = Level::SCALAR;
+        channels.draw_rectified(&views, &maps, &options);
+        let shadow = SkinShadow::rectified(&views, &maps, &channels, Bias::default());
+        let mut plain = vec![0.0; 35];
+        visibility(&camera, &[shadow], Threads::One, &mut plain);
+        prop_assert_eq!(seen, plain);
     }
 }
