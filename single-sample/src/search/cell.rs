@@ -67,13 +67,11 @@ struct Cell<'a, T> {
     bits: &'a CellBits,
 }
 
-/// A cell or a part of it.
-struct Square {
+/// A cell or a part of it, with `SIZE` places along each side: one less than texels.
+struct Square<const SIZE: usize> {
     /// The first texel, in the cell.
     x: usize,
     y: usize,
-    /// Places along each side: one less than texels.
-    size: usize,
     /// Texels along the sides, clockwise from the first. Bit i: whether texel i blocks.
     ring: u32,
     /// How many texels block.
@@ -83,7 +81,7 @@ struct Square {
 impl<T: Texel> Cell<'_, T> {
     /// All of the cell.
     #[inline(always)]
-    fn whole(&self) -> Square {
+    fn whole(&self) -> Square<CELL> {
         let Bits { words: [upper, lower], last } = *self.bits;
         let last = u32::from(last);
         // The least significant bits of a word's four rows, side by side.
@@ -98,7 +96,6 @@ impl<T: Texel> Cell<'_, T> {
         Square {
             x: 0,
             y: 0,
-            size: CELL,
             ring: top | column(CELL) << 8 | bottom << 16 | left << 24,
             count: upper.count_ones() + lower.count_ones() + last.count_ones(),
         }
@@ -106,7 +103,7 @@ impl<T: Texel> Cell<'_, T> {
 
     /// A quarter of the cell.
     #[inline(always)]
-    fn quarter(&self, x: usize, y: usize) -> Square {
+    fn quarter(&self, x: usize, y: usize) -> Square<HALF> {
         const SIDE: u32 = (1 << HALF) - 1;
         let (mut right, mut left, mut all) = (0, 0, 0_u32);
         let row = |i: usize| u32::from(self.bits.row(y + i)) >> x & (2 * SIDE + 1);
@@ -121,7 +118,6 @@ impl<T: Texel> Cell<'_, T> {
         Square {
             x,
             y,
-            size: HALF,
             ring: top | (right & SIDE) << HALF | bottom << (2 * HALF) | (left & SIDE) << (3 * HALF),
             count: all.count_ones(),
         }
@@ -139,11 +135,11 @@ impl<T: Texel> Cell<'_, T> {
     }
 
     /// Adds the pieces between any four texels.
-    fn add_pieces(&self, square: &Square, segments: &mut Segments) {
-        for y in square.y..square.y + square.size {
+    fn add_pieces<const SIZE: usize>(&self, square: &Square<SIZE>, segments: &mut Segments) {
+        for y in square.y..square.y + SIZE {
             let (upper, lower) = (self.bits.row(y) >> square.x, self.bits.row(y + 1) >> square.x);
             let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
-            let mut places = differs & ((1 << square.size) - 1);
+            let mut places = differs & ((1 << SIZE) - 1);
             while places != 0 {
                 let i = places.trailing_zeros();
                 places &= places - 1;
@@ -165,13 +161,16 @@ impl<T: Texel> Cell<'_, T> {
     /// Adds the one or two segments that stand for all of a square's outline, or none if there is
     /// none; false if none may.
     #[inline(always)]
-    fn add_simple(&self, square: &Square, segments: &mut Segments) -> bool {
-        let size = square.size;
-        if square.count == 0 || square.count as usize == (size + 1) * (size + 1) {
+    fn add_simple<const SIZE: usize>(
+        &self,
+        square: &Square<SIZE>,
+        segments: &mut Segments,
+    ) -> bool {
+        if square.count == 0 || square.count as usize == (SIZE + 1) * (SIZE + 1) {
             return true;
         }
         let Some([enter, leave]) = square.crossings() else { return false };
-        let len = square.ring_len();
+        let len = Square::<SIZE>::RING;
         let before = |i: usize| if i == 0 { len - 1 } else { i - 1 };
         let near = [self.nearness(square.texel(enter)), self.nearness(square.texel(before(leave)))];
         let same_layer = (near[0] - near[1]).abs() <= SAME_LAYER * near[0].min(near[1]);
@@ -179,7 +178,7 @@ impl<T: Texel> Cell<'_, T> {
             return false;
         }
         // The ends, seen from the middle of the square.
-        let middle = size as f32 * 0.5;
+        let middle = SIZE as f32 * 0.5;
         let end = |i: usize| {
             let ([ax, ay], [bx, by]) = (square.texel(before(i)), square.texel(i));
             let [x, y] = [(ax + bx) as f32, (ay + by) as f32];
@@ -214,20 +213,19 @@ impl<T: Texel> Cell<'_, T> {
     }
 }
 
-impl Square {
-    fn ring_len(&self) -> usize {
-        4 * self.size
-    }
+impl<const SIZE: usize> Square<SIZE> {
+    /// Texels along the sides.
+    const RING: usize = 4 * SIZE;
 
     /// Column and row, in the cell, of a texel of the ring.
     #[inline(always)]
     fn texel(&self, i: usize) -> [usize; 2] {
-        let (size, along) = (self.size, i % self.size);
-        let [x, y] = match i / size {
+        let along = i % SIZE;
+        let [x, y] = match i / SIZE {
             0 => [along, 0],
-            1 => [size, along],
-            2 => [size - along, size],
-            _ => [0, size - along],
+            1 => [SIZE, along],
+            2 => [SIZE - along, SIZE],
+            _ => [0, SIZE - along],
         };
         [self.x + x, self.y + y]
     }
@@ -236,8 +234,8 @@ impl Square {
     /// there is not exactly one.
     #[inline(always)]
     fn crossings(&self) -> Option<[usize; 2]> {
-        let len = self.ring_len();
-        let previous = (self.ring << 1 | self.ring >> (len - 1)) & u32::MAX >> (32 - len);
+        let previous = (self.ring << 1 | self.ring >> (Self::RING - 1))
+            & u32::MAX >> (u32::BITS as usize - Self::RING);
         let (enter, leave) = (self.ring & !previous, previous & !self.ring);
         let ends = [enter.trailing_zeros() as usize, leave.trailing_zeros() as usize];
         (enter.is_power_of_two() && leave.is_power_of_two()).then_some(ends)
@@ -246,7 +244,7 @@ impl Square {
     /// The blocked area: a texel is a square around its centre, cut off by the sides.
     #[inline(always)]
     fn area(&self) -> f32 {
-        let corners = (0..4).map(|side| self.ring >> (side * self.size) & 1).sum::<u32>();
+        let corners = (0..4).map(|side| self.ring >> (side * SIZE) & 1).sum::<u32>();
         (4 * self.count - 2 * self.ring.count_ones() - corners) as f32 * 0.25
     }
 }
