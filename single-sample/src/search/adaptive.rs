@@ -19,14 +19,19 @@ pub(crate) struct Samples {
     pub values: [f32; COUNT],
     wanted: [u8; COUNT],
     wanted_len: usize,
-    known: [bool; COUNT],
+    known: Bits,
     /// Which values come from a search.
-    pub searched: [bool; COUNT],
+    pub searched: Bits,
+    /// Which pixels have the key of the next one in the row, and of the one below.
+    same: [Bits; 2],
     /// Groups to be looked at, and those they are split into.
     open: [[Group; COUNT]; 2],
     side: usize,
     open_len: usize,
 }
+
+/// Of pixel (x, y), bit x of element y.
+pub(crate) type Bits = [u16; TILE];
 
 /// Pixels in a line, the first and the last of which are known or wanted.
 #[derive(Clone, Copy)]
@@ -63,8 +68,9 @@ impl Samples {
             values: [0.0; COUNT],
             wanted: [0; COUNT],
             wanted_len: 0,
-            known: [false; COUNT],
-            searched: [false; COUNT],
+            known: [0; TILE],
+            searched: [0; TILE],
+            same: [[0; TILE]; 2],
             open: [[Group { first: 0, last: 0, step: 0 }; COUNT]; 2],
             side: 0,
             open_len: 0,
@@ -77,9 +83,11 @@ impl Samples {
     }
 
     /// Asks for the ends of all groups along every `group`-th column.
+    #[inline(always)]
     pub fn begin(&mut self, grid: &Grid) {
-        self.known = [false; COUNT];
-        self.searched = [false; COUNT];
+        self.compare_keys();
+        (self.known, self.searched) = ([0; TILE], [0; TILE]);
+        self.values = [0.0; COUNT];
         self.wanted_len = 0;
         self.open_len = 0;
         let mut x = 0;
@@ -110,29 +118,66 @@ impl Samples {
         let side = self.side;
         (self.side, self.open_len) = (1 - side, 0);
         for i in 0..count {
-            let Group { first, last, step } = self.open[side][i];
-            let (first, last, step) = (usize::from(first), usize::from(last), usize::from(step));
-            let length = (last - first) / step;
-            if length <= 1 {
-                continue;
-            }
-            let (start, stop) = (self.values[first], self.values[last]);
-            let key = self.keys[first];
-            let agrees = (first..=last).step_by(step).all(|i| self.keys[i] == key);
-            if agrees && (stop - start).abs() <= grid.tolerance {
-                let slope = (stop - start) / length as f32;
-                for (i, pixel) in (first..last).step_by(step).enumerate().skip(1) {
-                    self.values[pixel] = start + slope * i as f32;
-                    self.known[pixel] = true;
-                }
-            } else {
-                let middle = first + length / 2 * step;
-                self.want(middle);
-                self.open(first, middle, step);
-                self.open(middle, last, step);
+            let group = self.open[side][i];
+            match group.step {
+                1 => self.settle::<1>(group, grid.tolerance),
+                _ => self.settle::<TILE>(group, grid.tolerance),
             }
         }
         true
+    }
+
+    /// Interpolates a group, or asks for its middle.
+    #[inline(always)]
+    fn settle<const STEP: usize>(&mut self, group: Group, tolerance: f32) {
+        let (first, last) = (usize::from(group.first), usize::from(group.last));
+        let length = (last - first) / STEP;
+        if length <= 1 {
+            return;
+        }
+        let (start, stop) = (self.values[first], self.values[last]);
+        if self.agrees::<STEP>(first, length) && (stop - start).abs() <= tolerance {
+            let slope = (stop - start) / length as f32;
+            for i in 1..length {
+                let pixel = first + i * STEP;
+                self.values[pixel] = start + slope * i as f32;
+                self.known[pixel / TILE] |= 1 << (pixel % TILE);
+            }
+        } else {
+            let middle = first + length / 2 * STEP;
+            self.want(middle);
+            self.open(first, middle, STEP);
+            self.open(middle, last, STEP);
+        }
+    }
+
+    /// Whether so many pixels after the first one have its key.
+    #[inline(always)]
+    fn agrees<const STEP: usize>(&self, first: usize, length: usize) -> bool {
+        let (x, y) = (first % TILE, first / TILE);
+        if STEP == 1 {
+            let all = ((1 << length) - 1) << x;
+            u32::from(self.same[0][y]) & all == all
+        } else {
+            let column = &self.same[1][y..y + length];
+            column.iter().fold(u16::MAX, |all, row| all & row) >> x & 1 == 1
+        }
+    }
+
+    #[inline(always)]
+    fn compare_keys(&mut self) {
+        let keys = self.keys.as_chunks::<TILE>().0;
+        for y in 0..TILE {
+            let (row, below) = (&keys[y], &keys[(y + 1).min(TILE - 1)]);
+            let (mut right, mut down) = (0, 0);
+            for x in 0..TILE {
+                down |= u16::from(row[x] == below[x]) << x;
+            }
+            for x in 0..TILE - 1 {
+                right |= u16::from(row[x] == row[x + 1]) << x;
+            }
+            (self.same[0][y], self.same[1][y]) = (right, down);
+        }
     }
 
     /// After the columns: the groups along all rows between them.
@@ -156,11 +201,11 @@ impl Samples {
     }
 
     fn want(&mut self, pixel: usize) {
-        if !self.known[pixel] {
-            self.known[pixel] = true;
-            self.values[pixel] = 0.0;
+        let (row, bit) = (pixel / TILE, 1 << (pixel % TILE));
+        if self.known[row] & bit == 0 {
+            self.known[row] |= bit;
             if self.keys[pixel] != NO_KEY {
-                self.searched[pixel] = true;
+                self.searched[row] |= bit;
                 self.wanted[self.wanted_len] = pixel as u8;
                 self.wanted_len += 1;
             }

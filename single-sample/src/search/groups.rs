@@ -144,6 +144,20 @@ impl Groups {
         Groups { of: [NO_GROUP; COUNT], members: [0; GROUPS] }
     }
 
+    /// Which pixels see something of the light, and belong to a group for which that is so.
+    #[inline(always)]
+    pub fn pixels_of(&self, counts: impl Fn(usize) -> bool) -> [bool; COUNT] {
+        let mut found = self.of.map(|of| of != NO_GROUP);
+        for group in 0..GROUPS {
+            if self.members[group] > 0 && !counts(group) {
+                for (found, of) in found.iter_mut().zip(&self.of) {
+                    *found &= *of != group as u8;
+                }
+            }
+        }
+        found
+    }
+
     /// The group of a pixel, if it sees something of the light.
     #[inline(always)]
     pub fn of(&self, pixel: usize) -> Option<usize> {

@@ -126,7 +126,10 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         for (i, out) in out.iter_mut().enumerate() {
             let k = row * TILE + i;
             let visible = receivers.sky[k] - samples.values[k];
-            let found = match (is_decided || samples.keys[k] == NO_KEY, samples.searched[k]) {
+            let found = match (
+                is_decided || samples.keys[k] == NO_KEY,
+                samples.searched[row] >> i & 1 == 1,
+            ) {
                 (true, _) => Found::Decided,
                 (_, true) => Found::Searched,
                 (_, false) => Found::Interpolated,

@@ -67,20 +67,22 @@ impl<T: Texel> SearchTile<'_, T> {
     #[inline(always)]
     fn set_keys(&mut self) {
         let r = self.receivers;
-        let (width, height) = (self.field.width, self.field.height);
-        let mut texels = [f32::NAN; COUNT];
-        for (i, texel) in texels.iter_mut().enumerate() {
+        let Field { width, height, texels } = *self.field;
+        let mut places = [0_u32; COUNT];
+        for i in 0..COUNT {
             // Casts saturate, so that the border stands for what is outside.
             let (x, y) = (r.u[i] as i32, r.v[i] as i32);
-            *texel = self.field.nearness(x.clamp(0, width - 1), y.clamp(0, height - 1));
+            let (x, y) = (x.clamp(0, width - 1), y.clamp(0, height - 1));
+            places[i] = (y as u32).wrapping_mul(width as u32).wrapping_add(x as u32);
         }
+        let nearness =
+            places.map(|i| texels.get(i as usize).map_or(f32::NAN, |texel| texel.nearness()));
+        let may_be_blocked = self.groups.pixels_of(|group| self.outlines.groups[group].is_some());
         for i in 0..COUNT {
-            let above = r.hn[i] * texels[i] > (r.above[i] - r.hv[i] * r.v[i]) - r.hu[i] * r.u[i];
-            let hard = u32::from(above & (texels[i] > r.nearness[i]));
+            let above = r.hn[i] * nearness[i] > (r.above[i] - r.hv[i] * r.v[i]) - r.hu[i] * r.u[i];
+            let hard = u32::from(above & (nearness[i] > r.nearness[i]));
             let key = (self.ids[i] << 1 | hard).wrapping_add(1);
-            let group = self.groups.of(i);
-            let may_be_blocked = group.is_some_and(|group| self.outlines.groups[group].is_some());
-            self.samples.keys[i] = if may_be_blocked { key } else { NO_KEY };
+            self.samples.keys[i] = if may_be_blocked[i] { key } else { NO_KEY };
         }
     }
 
