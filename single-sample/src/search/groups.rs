@@ -27,12 +27,9 @@ pub(crate) struct Groups {
     pub members: [u32; GROUPS],
 }
 
-/// What pixels of one plane have in common, since one object hardly ever shows parallel planes.
-#[derive(Clone, Copy, PartialEq)]
-struct Surface {
-    id: u32,
-    normal: [f32; 3],
-}
+/// What pixels of one plane have in common: the object's ID, then the bits of the normal. One object
+/// hardly ever shows parallel planes.
+type Surface = u128;
 
 /// Pixels side by side with the same surface.
 #[derive(Clone, Copy)]
@@ -65,9 +62,8 @@ impl Surfaces {
                 | (ids[i] != ids[i - 1]);
             is_new[i] = u8::from(differs);
         }
-        let none = Surface { id: 0, normal: [f32::NAN; 3] };
         let mut surfaces = Surfaces {
-            list: [none; SURFACES],
+            list: [0; SURFACES],
             pixels: [0; SURFACES + 1],
             len: 0,
             runs: [Run { first: 0, surface: 0 }; COUNT],
@@ -78,8 +74,8 @@ impl Surfaces {
             while eight != 0 {
                 let first = i * 8 + eight.trailing_zeros() as usize / 8;
                 eight &= eight - 1;
-                let surface = Surface { id: ids[first], normal: [a[first], b[first], c[first]] };
-                surfaces.add(first, surface);
+                let [a, b, c] = [a, b, c].map(|lane| u128::from(lane[first].to_bits()));
+                surfaces.add(first, u128::from(ids[first]) | a << 32 | b << 64 | c << 96);
             }
         }
         surfaces.finish(COUNT);
@@ -116,21 +112,22 @@ impl Surfaces {
     #[inline(always)]
     fn groups(&self) -> [u8; SURFACES + 1] {
         let mut groups = [OTHERS as u8; SURFACES + 1];
-        let (mut planes, mut objects) = (0, [0; OTHERS - PLANES]);
+        let (mut planes, mut objects) = (0, [0_u32; OTHERS - PLANES]);
         let mut objects_len = 0;
         for (i, surface) in self.list[..self.len].iter().enumerate() {
+            let id = *surface as u32;
             if self.pixels[i] >= FEW && planes < PLANES {
                 groups[i] = planes as u8;
                 planes += 1;
                 continue;
             }
-            let known = objects[..objects_len].iter().position(|id| *id == surface.id);
+            let known = objects[..objects_len].iter().position(|other| *other == id);
             let object = known.unwrap_or(objects_len);
             if object == objects.len() {
                 continue;
             }
             if known.is_none() {
-                objects[object] = surface.id;
+                objects[object] = id;
                 objects_len += 1;
             }
             groups[i] = (PLANES + object) as u8;
@@ -172,6 +169,7 @@ impl Groups {
     }
 
     /// One group of the first `count` pixels.
+    #[inline(always)]
     pub fn set_one(&mut self, count: usize) {
         self.of = [NO_GROUP; COUNT];
         self.of[..count].fill(0);

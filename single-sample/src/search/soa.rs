@@ -2,6 +2,7 @@
 
 use super::adaptive::{COUNT, TILE};
 use super::geometry::Geometry;
+use super::groups::Groups;
 use super::kernels::{Ops, Work};
 use super::receiver::{Receiver, plane, receiver};
 
@@ -78,18 +79,22 @@ impl Pixels {
     }
 }
 
-/// Sets the receivers of a tile's pixels, the first of which has its centre at `first`.
+/// Sets the receivers of a tile's pixels, the first of which has its centre at `first`, and their
+/// groups.
 pub(crate) struct SetReceivers<'a> {
     pub geometry: &'a Geometry,
     pub first: [f32; 2],
     pub pixels: &'a Pixels,
     pub receivers: &'a mut Receivers,
+    pub groups: &'a mut Groups,
+    /// The number of pixels if they all show one plane and see all of the light.
+    pub one_plane: Option<usize>,
 }
 
 impl Work for SetReceivers<'_> {
     #[inline(always)]
     fn run(self, _: &impl Ops) {
-        let SetReceivers { geometry: g, first: [left, top], pixels, receivers } = self;
+        let SetReceivers { geometry: g, first: [left, top], pixels, receivers, .. } = self;
         let [a, b, c, d] = &pixels.planes;
         for i in 0..COUNT {
             let (x, y) = (left + (i % TILE) as f32, top + (i / TILE) as f32);
@@ -97,6 +102,10 @@ impl Work for SetReceivers<'_> {
             let through = plane(g, x, y, n, [a[i], b[i], c[i]]);
             let d = if pixels.planes_are_normals { through[3] } else { d[i] };
             receivers.set(i, &receiver(g, x, y, n, [a[i], b[i], c[i], d]));
+        }
+        match self.one_plane {
+            Some(count) => self.groups.set_one(count),
+            None => self.groups.set(pixels, receivers),
         }
     }
 }

@@ -86,12 +86,10 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     set_pixels(&scene.camera, [left, top], &grid, pixels, counters);
     let first = [left as f32 + 0.5, top as f32 + 0.5];
     let geometry = &scene.geometry;
-    kernels::run(scene.level, SetReceivers { geometry, first, pixels, receivers });
+    let one_plane = matches!(whole, Whole::OnePlane).then_some(grid.height * TILE);
+    let work = SetReceivers { geometry, first, pixels, receivers, groups, one_plane };
+    kernels::run(scene.level, work);
     count_outside(&scene.field, receivers, counters);
-    match whole {
-        Whole::OnePlane => groups.set_one(grid.height * TILE),
-        _ => groups.set(pixels, receivers),
-    }
     let work = FindOutlines {
         geometry,
         field: &scene.field,
