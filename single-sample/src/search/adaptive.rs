@@ -1,4 +1,7 @@
 //! Adaptive sampling (Brabec and Seidel 2002, section 4.3), within one tile of the image.
+//!
+//! Unlike in the paper, not only the keys of a group's pixels decide whether it is interpolated, but
+//! also the values: those of the ends, and where these differ, that of the middle.
 
 /// Pixels along each side of a tile.
 pub(crate) const TILE: usize = 16;
@@ -40,7 +43,13 @@ struct Group {
     last: u8,
     /// From one to the next: 1 along a row, [`TILE`] along a column.
     step: u8,
+    /// Whether the one in the middle is, too.
+    is_halved: bool,
 }
+
+/// How far the middle of a group may be from the straight line between its ends, relative to the
+/// greatest difference of these.
+const BEND: f32 = 0.5;
 
 /// When pixels between two others are interpolated.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +80,7 @@ impl Samples {
             known: [0; TILE],
             searched: [0; TILE],
             same: [[0; TILE]; 2],
-            open: [[Group { first: 0, last: 0, step: 0 }; COUNT]; 2],
+            open: [[Group { first: 0, last: 0, step: 0, is_halved: false }; COUNT]; 2],
             side: 0,
             open_len: 0,
         }
@@ -97,7 +106,7 @@ impl Samples {
             while y + 1 < grid.height {
                 let next = grid.next(y, grid.height);
                 self.want(next * TILE + x);
-                self.open(y * TILE + x, next * TILE + x, TILE);
+                self.open(y * TILE + x, next * TILE + x, TILE, false);
                 y = next;
             }
             if x + 1 >= grid.width {
@@ -127,16 +136,34 @@ impl Samples {
         true
     }
 
-    /// Interpolates a group, or asks for its middle.
+    /// Interpolates a group or asks for its middle; once that is known, looks at both halves.
     #[inline(always)]
     fn settle<const STEP: usize>(&mut self, group: Group, tolerance: f32) {
         let (first, last) = (usize::from(group.first), usize::from(group.last));
+        let length = (last - first) / STEP;
+        if !group.is_halved {
+            return self.halve::<STEP>(first, last, false, tolerance);
+        }
+        let middle = first + length / 2 * STEP;
+        let [start, between, stop] = [first, middle, last].map(|pixel| self.values[pixel]);
+        let straight = start + (stop - start) / length as f32 * (length / 2) as f32;
+        let is_straight =
+            (between - straight).abs() <= tolerance * BEND && self.agrees::<STEP>(first, length);
+        self.halve::<STEP>(first, middle, is_straight, tolerance);
+        self.halve::<STEP>(middle, last, is_straight, tolerance);
+    }
+
+    /// Interpolates between two pixels if that is known to be `fine` or their values are close, else
+    /// asks for the one in their middle.
+    #[inline(always)]
+    fn halve<const STEP: usize>(&mut self, first: usize, last: usize, fine: bool, tolerance: f32) {
         let length = (last - first) / STEP;
         if length <= 1 {
             return;
         }
         let (start, stop) = (self.values[first], self.values[last]);
-        if self.agrees::<STEP>(first, length) && (stop - start).abs() <= tolerance {
+        let is_close = (stop - start).abs() <= tolerance && self.agrees::<STEP>(first, length);
+        if fine | is_close {
             let slope = (stop - start) / length as f32;
             for i in 1..length {
                 let pixel = first + i * STEP;
@@ -144,10 +171,10 @@ impl Samples {
                 self.known[pixel / TILE] |= 1 << (pixel % TILE);
             }
         } else {
-            let middle = first + length / 2 * STEP;
-            self.want(middle);
-            self.open(first, middle, STEP);
-            self.open(middle, last, STEP);
+            self.want(first + length / 2 * STEP);
+            if length > 2 {
+                self.open(first, last, STEP, true);
+            }
         }
     }
 
@@ -188,15 +215,15 @@ impl Samples {
             let mut x = 0;
             while x + 1 < grid.width {
                 let next = grid.next(x, grid.width);
-                self.open(row * TILE + x, row * TILE + next, 1);
+                self.open(row * TILE + x, row * TILE + next, 1, false);
                 x = next;
             }
         }
     }
 
-    fn open(&mut self, first: usize, last: usize, step: usize) {
+    fn open(&mut self, first: usize, last: usize, step: usize, is_halved: bool) {
         self.open[self.side][self.open_len] =
-            Group { first: first as u8, last: last as u8, step: step as u8 };
+            Group { first: first as u8, last: last as u8, step: step as u8, is_halved };
         self.open_len += 1;
     }
 

@@ -79,17 +79,18 @@ pub struct Parameters {
     /// these columns, are interpolated where the pixels see one object and have one hard shadow
     /// test result. The paper's is 4; 1 searches every pixel; at most 15.
     pub group: u32,
-    /// The greatest difference of visibility between the ends of an interpolated group. The paper
-    /// has no such limit: 1.
+    /// The greatest difference of visibility between the ends of an interpolated group; and twice
+    /// what its middle, once searched, may differ from the mean of the ends for both halves to be
+    /// interpolated all the same. The paper has no such limit: 1.
     pub tolerance: f32,
     /// Tolerance of the depth comparisons.
     pub bias: Bias,
 }
 
 impl Default for Parameters {
-    /// A point light, groups of 5 pixels whose ends differ by a sixteenth at most.
+    /// A point light, groups of 6 pixels whose ends differ by 1 / 32 at most.
     fn default() -> Self {
-        Parameters { radius: 0.0, group: 4, tolerance: 1.0 / 16.0, bias: Bias::default() }
+        Parameters { radius: 0.0, group: 5, tolerance: 1.0 / 32.0, bias: Bias::default() }
     }
 }
 

@@ -56,7 +56,11 @@ impl Planes {
         extent: &Extent,
         reach: &Reach,
     ) -> Planes {
-        let at = [extent.u, extent.v].map(|[low, high]| (low + high) * 0.5);
+        // In the map, whatever the extent.
+        let middle = |[low, high]: Bounds, [from, end]: [i32; 2]| {
+            ((low + high) * 0.5).clamp(from as f32, end as f32)
+        };
+        let at = [middle(extent.u, reach.places.columns), middle(extent.v, reach.places.rows)];
         let nearness = extent.nearness[0];
         let far = |[from, end]: [i32; 2]| from.abs().max(end.abs()) as f32 + 1.0;
         let (columns, rows) = (far(reach.places.columns), far(reach.places.rows));
