@@ -153,10 +153,8 @@ impl Block {
             if pixels_inside == 0 {
                 continue;
             }
-            let group = |pixels: Pixels, scratch: &Scratch| {
-                Group::new(ops, Part { block, pixels }, facing, frustum, &scratch.receivers)
-            };
-            let whole = group(pixels_inside, scratch);
+            let part = Part { block, pixels: pixels_inside };
+            let whole = Group::new(ops, part, facing, frustum, &scratch.receivers);
             if whole.is_lit(ops, frame, frustum, scratch) {
                 continue;
             }
@@ -168,8 +166,8 @@ impl Block {
             // Receivers on a plane that is too steep are judged one by one.
             let mut waiting = pixels_inside;
             while waiting != 0 {
-                let alone = group(waiting & waiting.wrapping_neg(), scratch);
-                scratch.ready.push(alone);
+                let part = Part { block, pixels: waiting & waiting.wrapping_neg() };
+                scratch.ready.push(Group::new(ops, part, facing, frustum, &scratch.receivers));
                 waiting &= waiting - 1;
             }
         }

@@ -122,6 +122,7 @@ pub(super) struct Facing {
 
 impl Facing {
     /// The plane turned to the side that the camera sees; `None` if that side sees no light at all.
+    #[inline(always)]
     pub fn new(frame: &Frame<'_>, plane: Plane) -> Option<Facing> {
         let side = plane.side_of(frame.camera.view().eye());
         let plane = if side < 0.0 { Plane(plane.0.map(|x| -x)) } else { plane };
