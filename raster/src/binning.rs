@@ -133,6 +133,9 @@ fn push_tiny<S: Simd>(
     let (mut y, mut row_edges) = (lanes.y[0], lanes.edges);
     for down in 0..TINY {
         let mut rest = tiny & s.bits(s.greater_i(rows, s.splat_i(down as i32 - 1)));
+        if rest == 0 {
+            return;
+        }
         let row = s.add_d(s.mul_d(planes.b, py), planes.c);
         let mut ys = [0; MAX_LANES];
         s.store_u(&mut ys, y);

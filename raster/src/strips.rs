@@ -96,7 +96,14 @@ impl Rows<'_> {
         let (low, high) = (s.splat_f(plane.low), s.splat_f(plane.high));
         let mine = s.splat_i(small.payload as i32);
         let top = (first - band.start) as usize * width;
-        for x in (usize::from(small.x)..=usize::from(small.last_x)).step_by(S::LANES) {
+        // Windows that are aligned in memory touch one line of the cache, not two; but no more
+        // windows than needed.
+        let mut first_x = usize::from(small.x);
+        if small.last_x - small.x >= S::LANES as u16 {
+            let texels = self.nearness.as_ptr() as usize / size_of::<f32>() + first_x;
+            first_x = first_x.saturating_sub(texels % S::LANES);
+        }
+        for x in (first_x..=usize::from(small.last_x)).step_by(S::LANES) {
             let x = x.min(width - S::LANES);
             let columns = s.add_i(s.lanes(), s.splat_i(x as i32));
             let px = s.add_d(s.d_from_f(s.f_from_i(columns)), s.splat_d(0.5));

@@ -142,8 +142,8 @@ fn put(lanes: &mut [Lane; 3], start: usize, pieces: &[Piece; 3]) {
 /// The first corner's normal and the differences of the others to it, on the side of `flat`;
 /// `None` for a triangle that is flat.
 fn smooth_normals(normals: &[Vec3], vertices: [u32; 3], flat: Vec3) -> Option<[Vec3; 3]> {
-    let [a, b, c] = vertices.map(|index| normals.get(index as usize).copied());
-    let (a, b, c) = (a?, b?, c?);
+    let normal = |index: u32| normals.get(index as usize).copied();
+    let [a, b, c] = [normal(vertices[0])?, normal(vertices[1])?, normal(vertices[2])?];
     let known = [a, b, c].iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
     if !known || (a == b && b == c && a.dot(flat).abs() > 0.9999) {
         return None;

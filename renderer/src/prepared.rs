@@ -181,9 +181,10 @@ fn cutoff(material: &Material) -> Option<f32> {
 }
 
 /// The positions of a triangle's vertices; `None` if one is missing.
-pub(crate) fn corners(scene: &Scene, triangle: [u32; 3]) -> Option<[Vec3; 3]> {
-    let [a, b, c] = triangle.map(|index| scene.mesh.positions.get(index as usize).copied());
-    Some([a?, b?, c?])
+#[inline]
+pub(crate) fn corners(scene: &Scene, [a, b, c]: [u32; 3]) -> Option<[Vec3; 3]> {
+    let corner = |index: u32| scene.mesh.positions.get(index as usize).copied();
+    Some([corner(a)?, corner(b)?, corner(c)?])
 }
 
 /// A vertex attribute inside a triangle; `None` if a vertex has none.
