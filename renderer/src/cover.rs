@@ -7,12 +7,6 @@ use crate::hull::points_around;
 use crate::prepared::{Prepared, corners};
 use crate::scene::Scene;
 
-/// How many of the largest triangles are tried as backdrops.
-const CANDIDATES: usize = 64;
-
-/// How far a point may lie behind a backdrop, of the scene's extent: what rounding leaves.
-const TOLERANCE: f64 = 1e-5;
-
 /// Few points instead of many vertices, to fit a light's views around.
 #[derive(Clone, Debug)]
 pub struct Cover {
@@ -27,10 +21,15 @@ impl Cover {
     #[must_use]
     pub fn new(prepared: &Prepared<'_>, light: &Light, camera: &View) -> Cover {
         let scene = prepared.scene();
-        let backdrops: Vec<&Backdrop> =
-            prepared.backdrops().iter().filter(|backdrop| backdrop.is_lit_by(light)).collect();
-        let blocks = |triangle: &[Vec3; 3]| !backdrops.iter().any(|b| b.holds(triangle));
-        let blockers = points_around(triangles(scene).filter(blocks).flatten().collect());
+        let backdrops = prepared.backdrops();
+        let lit = backdrops.lit_by(light);
+        let mut corners = Corners::none(scene);
+        for (&triangle, &on) in scene.mesh.triangles.iter().zip(backdrops.of_triangles()) {
+            if on & lit == 0 {
+                corners.add(triangle);
+            }
+        }
+        let blockers = points_around(corners.points(scene));
         let receivers = points_around(seen(scene, camera));
         // Without one of them there are no shadows, but maps all the same.
         match (blockers.is_empty(), receivers.is_empty()) {
@@ -46,90 +45,31 @@ impl Cover {
     }
 }
 
-/// A plane with triangles on it and the whole scene on one side, such as the ground or a room's
-/// wall: nothing lies behind it that it could hide from a light on that side.
-#[derive(Clone, Copy, Debug)]
-pub struct Backdrop {
-    /// Towards the scene, of unit length.
-    normal: DVec3,
-    /// `normal . p` of its points.
-    offset: f64,
-    tolerance: f64,
-}
+/// The vertices of some triangles, each once.
+struct Corners(Vec<bool>);
 
-impl Backdrop {
-    /// The backdrops among the largest triangles of a scene.
-    #[must_use]
-    pub fn find(scene: &Scene) -> Vec<Backdrop> {
-        let hull = points_around(triangles(scene).flatten().collect());
-        let mut largest: Vec<(f64, [Vec3; 3])> =
-            triangles(scene).map(|t| (doubled_area(&t).length(), t)).collect();
-        largest.retain(|(area, _)| *area > 0.0);
-        if largest.len() > CANDIDATES {
-            largest.select_nth_unstable_by(CANDIDATES, |a, b| b.0.total_cmp(&a.0));
-            largest.truncate(CANDIDATES);
-        }
-        let extent = scene.bounds().map_or(0.0, |bounds| bounds.extent().max_element());
-        let tolerance = TOLERANCE * f64::from(extent);
-        let mut found: Vec<Backdrop> = Vec::new();
-        for (area, triangle) in largest {
-            let normal = doubled_area(&triangle) / area;
-            let offset = normal.dot(triangle[0].as_dvec3());
-            if found.iter().any(|backdrop| backdrop.holds(&triangle)) {
-                continue;
-            }
-            let front = Backdrop { normal, offset, tolerance };
-            let back = Backdrop { normal: -normal, offset: -offset, tolerance };
-            let holds_scene =
-                |side: &Backdrop| hull.iter().all(|p| side.height(p.as_dvec3()) >= -tolerance);
-            found.extend([front, back].into_iter().find(holds_scene));
-        }
-        found
+impl Corners {
+    fn none(scene: &Scene) -> Corners {
+        Corners(vec![false; scene.mesh.positions.len()])
     }
 
-    fn height(&self, p: DVec3) -> f64 {
-        self.normal.dot(p) - self.offset
-    }
-
-    /// Whether a triangle lies on it.
-    fn holds(&self, triangle: &[Vec3; 3]) -> bool {
-        triangle.iter().all(|p| self.height(p.as_dvec3()).abs() <= self.tolerance)
-    }
-
-    /// Whether all of the light is on the scene's side.
-    fn is_lit_by(&self, light: &Light) -> bool {
-        let above = |p: Vec3| self.height(p.as_dvec3()) > self.tolerance;
-        match *light {
-            Light::Point { position } => above(position),
-            Light::Sphere { center, radius } => {
-                self.height(center.as_dvec3()) > self.tolerance + f64::from(radius.abs())
+    /// Adds the vertices of a triangle, as far as they exist.
+    fn add(&mut self, triangle: [u32; 3]) {
+        for index in triangle {
+            if let Some(added) = self.0.get_mut(index as usize) {
+                *added = true;
             }
-            Light::Sun { direction, angle } => {
-                let rise = -self.normal.dot(direction.as_dvec3().normalize_or_zero());
-                rise > libm::sin(f64::from(angle).abs() * 0.5) + TOLERANCE
-            }
-            Light::Linear { a, b } => above(a) && above(b),
-            Light::Triangle { a, b, c } => above(a) && above(b) && above(c),
-            Light::Rectangle { corner, edge_u, edge_v } => {
-                let far = corner + edge_u;
-                [corner, far, corner + edge_v, far + edge_v].into_iter().all(above)
-            }
-            _ => false,
         }
     }
+
+    fn points(&self, scene: &Scene) -> Vec<Vec3> {
+        let vertices = scene.mesh.positions.iter().zip(&self.0);
+        vertices.filter(|(_, added)| **added).map(|(position, _)| *position).collect()
+    }
 }
 
-/// The normal of a triangle, as long as twice its area.
-fn doubled_area(triangle: &[Vec3; 3]) -> DVec3 {
-    let [a, b, c] = triangle.map(Vec3::as_dvec3);
-    (b - a).cross(c - a)
-}
-
-/// The triangles that have a place.
-fn triangles(scene: &Scene) -> impl Iterator<Item = [Vec3; 3]> {
-    let corners = scene.mesh.triangles.iter().filter_map(|&triangle| corners(scene, triangle));
-    corners.filter(|triangle| triangle.iter().all(|p| p.is_finite()))
-}
+/// The bit of a vertex that has no place.
+const NOWHERE: u8 = 1 << 6;
 
 /// The corners of the triangles as far as they lie inside the camera's window.
 fn seen(scene: &Scene, camera: &View) -> Vec<Vec3> {
@@ -141,26 +81,35 @@ fn seen(scene: &Scene, camera: &View) -> Vec<Vec3> {
         let [u, v, n, q] = rows.map(|r| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]);
         [u, size[0] * q - u, v, size[1] * q - v, nearest * q - n, n]
     };
-    let mut points = Vec::new();
+    // One bit for each border that a vertex does not lie inside of.
+    let outcode = |p: &Vec3| {
+        let heights = inside(p.as_dvec3()).into_iter().enumerate();
+        let outside = |height: f64| height.is_nan() || height < 0.0;
+        let code = heights.fold(0, |code, (i, height)| code | u8::from(outside(height)) << i);
+        if p.is_finite() { code } else { NOWHERE }
+    };
+    let outcodes: Vec<u8> = scene.mesh.positions.iter().map(outcode).collect();
+    let outcode = |index: u32| outcodes.get(index as usize).copied().unwrap_or(NOWHERE);
+    let (mut whole, mut points) = (Corners::none(scene), Vec::new());
     let (mut polygon, mut clipped) = (Vec::new(), Vec::new());
-    for triangle in triangles(scene) {
-        let triangle = triangle.map(Vec3::as_dvec3);
-        let heights = triangle.map(inside);
-        if heights.iter().flatten().all(|&height| height >= 0.0) {
-            points.extend(triangle.map(DVec3::as_vec3));
-            continue;
+    for &triangle in &scene.mesh.triangles {
+        let [a, b, c] = triangle.map(outcode);
+        if a | b | c == 0 {
+            whole.add(triangle);
         }
-        if (0..6).any(|border| heights.iter().all(|heights| heights[border] < 0.0)) {
+        let outside = (a | b | c) & NOWHERE != 0 || a & b & c != 0;
+        let Some(corners) = corners(scene, triangle).filter(|_| !outside && a | b | c != 0) else {
             continue;
-        }
+        };
         polygon.clear();
-        polygon.extend(triangle);
+        polygon.extend(corners.map(Vec3::as_dvec3));
         for border in 0..6 {
             clip(&polygon, |p| inside(p)[border], &mut clipped);
             std::mem::swap(&mut polygon, &mut clipped);
         }
         points.extend(polygon.iter().map(|p| p.as_vec3()));
     }
+    points.extend(whole.points(scene));
     points
 }
 

@@ -35,6 +35,7 @@
 //! ```
 #![deny(unsafe_code)]
 
+pub mod backdrops;
 pub mod builtin;
 pub mod camera;
 #[cfg(feature = "program")]

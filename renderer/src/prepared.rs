@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use raster::AlphaMask;
 use shadowmap_core::{Surface, View};
 
-use crate::cover::Backdrop;
+use crate::backdrops::Backdrops;
 use crate::scene::{AlphaMode, Bounds, Material, Scene};
 
 /// Alpha at which a blended material counts as solid: shadow maps know no half transparency.
@@ -16,7 +16,7 @@ const BLEND_CUTOFF: f32 = 0.5;
 pub struct Prepared<'a> {
     scene: &'a Scene,
     bounds: Option<Bounds>,
-    backdrops: Vec<Backdrop>,
+    backdrops: Backdrops,
     /// Geometric normal and object ID of each triangle, at its index + 1.
     surfaces: Vec<Surface>,
     /// Which triangles have holes; empty if none has.
@@ -53,7 +53,7 @@ impl<'a> Prepared<'a> {
         Prepared {
             scene,
             bounds: scene.bounds(),
-            backdrops: Backdrop::find(scene),
+            backdrops: Backdrops::new(scene),
             surfaces,
             masked: if any_masked { masked } else { Vec::new() },
             single_sided: scene.triangle_materials.iter().any(single),
@@ -72,7 +72,7 @@ impl<'a> Prepared<'a> {
     }
     /// The planes that hide nothing from a light on the scene's side of them.
     #[must_use]
-    pub fn backdrops(&self) -> &[Backdrop] {
+    pub fn backdrops(&self) -> &Backdrops {
         &self.backdrops
     }
     /// Geometric normal and object ID of each triangle, at its index + 1: what a camera pass with
