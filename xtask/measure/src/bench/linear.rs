@@ -15,7 +15,7 @@ use renderer::prepared::Prepared;
 use renderer::scene::Scene;
 use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
 
-use super::{Bench, Group, Variant};
+use super::{Bench, Group, Variant, area};
 
 /// Side of the camera's image.
 const SIDE: u32 = 512;
@@ -36,6 +36,7 @@ pub fn run(bench: &mut Bench) {
         }
         skins(bench, &shot);
     }
+    area::run(bench);
 }
 
 /// A scene, and what its camera sees.
@@ -82,7 +83,7 @@ fn draw(rasterizer: &mut Rasterizer, mesh: &Mesh<'_>, views: &[View], maps: &mut
 }
 
 /// Root of the mean squared error where the truth is between full light and full shadow.
-fn penumbra_rmse(found: &[f32], truth: &[f32]) -> f64 {
+pub(super) fn penumbra_rmse(found: &[f32], truth: &[f32]) -> f64 {
     let penumbra = || found.iter().zip(truth).filter(|(_, truth)| (0.002..0.998).contains(*truth));
     let sum: f64 = penumbra().map(|(found, truth)| f64::from(found - truth).powi(2)).sum();
     (sum / penumbra().count() as f64).sqrt()

@@ -1,5 +1,6 @@
 //! `cargo xtask bench`: times every stage, checked first, variants in turn.
 
+mod area;
 mod frame;
 mod harness;
 mod instructions;

@@ -1,0 +1,102 @@
+//! A rectangle light as a few lines, and a linear light with as many samples as it needs: camera
+//! pass, maps and visibility together, beside rays, each with its error.
+
+use glam::Vec3;
+use reference::{Samples, Tracer};
+use renderer::builtin;
+use renderer::camera::{CameraOptions, choose, view};
+use renderer::frame::{Frame, Goal, Shot};
+use renderer::lighting::{LightJob, LightOptions};
+use renderer::method::Method;
+use renderer::prepared::Prepared;
+use renderer::scene::SceneLight;
+use shadowmap_core::{Level, Light, Threads};
+
+use super::linear::penumbra_rmse;
+use super::{Bench, Group, Variant};
+
+/// Rays per pixel of what errors are measured against.
+const TRUTH: u32 = 1024;
+
+/// Runs the comparisons.
+pub fn run(bench: &mut Bench) {
+    let lines: &[u32] = if bench.quick() { &[4] } else { &[2, 4, 8, 16] };
+    let rays: &[u32] = if bench.quick() { &[16] } else { &[4, 16, 64, 256] };
+    let edges = (Vec3::X, Vec3::Z);
+    let corner = Vec3::new(1.0, 6.0, 1.0);
+    let rectangle = Light::Rectangle { corner, edge_u: edges.0, edge_v: edges.1 };
+    let of_lines = |count: &u32| (format!("{count} lines"), intervals(Some(*count)));
+    compare(bench, "torus", "rectangle", rectangle, lines.iter().map(of_lines).collect(), rays);
+    let adaptive = ("adaptive samples".to_owned(), intervals(None));
+    let two = ("2 samples".to_owned(), intervals(Some(2)));
+    let rays: &[u32] = if bench.quick() { &[16] } else { &[16, 64] };
+    let tube = Light::Linear { a: Vec3::new(0.5, 8.0, 1.5), b: Vec3::new(2.5, 8.0, 1.5) };
+    compare(bench, "crowded", "linear", tube, vec![two, adaptive], rays);
+}
+
+fn intervals(samples: Option<u32>) -> LightOptions {
+    let method = Some(Method::Intervals);
+    LightOptions { method, samples, map_size: 1024, ..LightOptions::default() }
+}
+
+/// Times a light on a scene by some options, and by rays.
+fn compare(
+    bench: &mut Bench,
+    name: &str,
+    kind: &str,
+    light: Light,
+    mut options: Vec<(String, LightOptions)>,
+    rays: &[u32],
+) {
+    let scene = builtin::scene(name).expect("a built-in scene");
+    let prepared = Prepared::new(&scene);
+    let camera = choose(&scene, &CameraOptions::default()).expect("built-in scenes have cameras");
+    let camera = view(&camera, [512; 2], prepared.bounds());
+    let tracer = Tracer::new(&scene.mesh.as_mesh());
+    let light =
+        SceneLight { name: kind.to_owned(), light, color: Vec3::ONE, intensity: 1.0, spot: None };
+    for &rays in rays {
+        let method = Some(Method::RayTraced);
+        let traced = LightOptions { method, samples: Some(rays), ..LightOptions::default() };
+        options.push((format!("{rays} rays per pixel"), traced));
+    }
+    let jobs: Vec<(String, [LightJob; 1])> = options
+        .into_iter()
+        .map(|(variant, options)| {
+            let job = LightJob::new(&light, &options, &prepared, &camera);
+            (variant, [job.expect("the method knows the light")])
+        })
+        .collect();
+    let receivers = tracer.receivers(&camera, Threads::Pool);
+    let (positions, normals) = (&receivers.positions, &receivers.normals);
+    let mut truth = vec![0.0; positions.len()];
+    let samples = Samples::Fixed(TRUTH);
+    tracer.visibility(&light.light, positions, normals, samples, Threads::Pool, &mut truth);
+    let mut errors = Vec::new();
+    let mut variants = Vec::new();
+    for (variant, lights) in &jobs {
+        let shot = Shot {
+            prepared: &prepared,
+            camera: &camera,
+            aa: 1,
+            lights,
+            tracer: Some(&tracer),
+            goal: Goal::Visibility,
+        };
+        let mut frame = Frame::new(Level::detect(), Threads::One);
+        frame.render(&shot);
+        errors.push(format!("{variant} {:.4}", penumbra_rmse(&frame.visibility()[0], &truth)));
+        variants.push(Variant::new(variant.clone(), move || frame.render(&shot)));
+    }
+    bench.note(format!(
+        "{name}, {kind} light, maps of 1024²: penumbra RMSE of {}",
+        errors.join(", ")
+    ));
+    bench.compare(Group {
+        name: format!("{name} {kind} light, maps of 1024"),
+        x: None,
+        work: Some((truth.len() as f64, "pixels")),
+        bytes: None,
+        variants,
+    });
+}
