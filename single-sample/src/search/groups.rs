@@ -21,6 +21,9 @@ const FEW: usize = 32;
 /// How many surfaces are told apart.
 const SURFACES: usize = 32;
 
+/// Places of the hash table that finds them.
+const SLOTS: usize = 4 * SURFACES;
+
 /// Which group each pixel belongs to.
 pub(crate) struct Groups {
     of: [u8; COUNT],
@@ -44,6 +47,8 @@ struct Surfaces {
     /// Pixels of each; the last counts what the list has no room for.
     pixels: [usize; SURFACES + 1],
     len: usize,
+    /// One more than the index of the surface with this hash, or one with an earlier; 0 for none.
+    slots: [u8; SLOTS],
     runs: [Run; COUNT],
     runs_len: usize,
 }
@@ -66,6 +71,7 @@ impl Surfaces {
             list: [0; SURFACES],
             pixels: [0; SURFACES + 1],
             len: 0,
+            slots: [0; SLOTS],
             runs: [Run { first: 0, surface: 0 }; COUNT],
             runs_len: 0,
         };
@@ -86,18 +92,33 @@ impl Surfaces {
     #[inline(always)]
     fn add(&mut self, first: usize, surface: Surface) {
         self.finish(first);
-        let list = &self.list[..self.len];
-        let known = list.iter().rposition(|other| *other == surface);
-        let surface = known.unwrap_or_else(|| {
-            let place = self.len;
-            if place < SURFACES {
-                self.list[place] = surface;
-                self.len += 1;
-            }
-            place
-        });
+        let surface = self.find(surface);
         self.runs[self.runs_len] = Run { first: first as u8, surface: surface as u8 };
         self.runs_len += 1;
+    }
+
+    /// The index of a surface, which is noted if it is new and there is room.
+    #[inline(always)]
+    fn find(&mut self, surface: Surface) -> usize {
+        let [a, b, c, d] = [0, 32, 64, 96].map(|shift| (surface >> shift) as u32);
+        let mixed = (a ^ b.rotate_left(9) ^ c.rotate_left(18) ^ d.rotate_left(27))
+            .wrapping_mul(0x9e37_79b1);
+        let mut slot = (mixed >> 20) as usize % SLOTS;
+        loop {
+            match self.slots[slot] {
+                0 if self.len == SURFACES => return SURFACES,
+                0 => {
+                    self.list[self.len] = surface;
+                    self.len += 1;
+                    self.slots[slot] = self.len as u8;
+                    return self.len - 1;
+                }
+                known if self.list[usize::from(known) - 1] == surface => {
+                    return usize::from(known) - 1;
+                }
+                _ => slot = (slot + 1) % SLOTS,
+            }
+        }
     }
 
     /// Ends the present run.
