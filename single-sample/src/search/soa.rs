@@ -77,6 +77,15 @@ impl Pixels {
         let zero = [0.0; COUNT];
         Pixels { nearness: zero, planes: [zero; 4], planes_are_normals: true, ids: [0; COUNT] }
     }
+
+    /// Sets the object and the plane, or normal, of a pixel.
+    #[inline(always)]
+    pub fn set_plane(&mut self, i: usize, id: u32, plane: [f32; 4]) {
+        self.ids[i] = id;
+        for (lane, value) in self.planes.iter_mut().zip(plane) {
+            lane[i] = value;
+        }
+    }
 }
 
 /// Sets the receivers of a tile's pixels, the first of which has its centre at `first`, and their

@@ -220,33 +220,38 @@ fn set_pixels(
     pixels.planes_are_normals = !matches!(camera.surfaces(), Surfaces::FromDepth);
     for row in 0..grid.height {
         let start = (top as usize + row) * image + left as usize;
+        let pixels_of_row = row * TILE..row * TILE + grid.width;
         let nearness = &camera.map().nearness()[start..][..grid.width];
-        for (i, &nearness) in nearness.iter().enumerate() {
-            let k = row * TILE + i;
-            if nearness.is_nan() || nearness <= 0.0 {
-                continue;
-            }
-            counters.receivers += 1;
-            pixels.nearness[k] = nearness;
-            let id = camera.map().ids().get(start + i).copied().unwrap_or(0);
-            let surface = match camera.surfaces() {
-                Surfaces::FromDepth => {
+        for (pixel, &nearness) in pixels.nearness[pixels_of_row.clone()].iter_mut().zip(nearness) {
+            // False for NaN.
+            let is_seen = nearness > 0.0;
+            *pixel = if is_seen { nearness } else { 0.0 };
+            counters.receivers += u32::from(is_seen);
+        }
+        let ids = camera.map().ids();
+        let id = |i: usize| ids.get(start + i).copied().unwrap_or(0);
+        match camera.surfaces() {
+            Surfaces::FromDepth => {
+                for (i, k) in pixels_of_row.enumerate() {
                     let (x, y) = (left + i as u32, top + row as u32);
-                    let (id, plane) = camera.plane(x, y, nearness);
-                    pixels.ids[k] = id;
-                    for (lane, value) in pixels.planes.iter_mut().zip(plane.0) {
-                        lane[k] = value;
+                    if pixels.nearness[k] > 0.0 {
+                        let (id, plane) = camera.plane(x, y, pixels.nearness[k]);
+                        pixels.set_plane(k, id, plane.0);
                     }
-                    continue;
                 }
-                Surfaces::Normals(normals) => Surface { normal: normals[start + i], id },
-                Surfaces::Table(table) => {
-                    table.get(id as usize).copied().unwrap_or(Surface::UNKNOWN)
+            }
+            Surfaces::Normals(normals) => {
+                for (i, k) in pixels_of_row.enumerate() {
+                    let [a, b, c] = normals[start + i].to_array();
+                    pixels.set_plane(k, id(i), [a, b, c, 0.0]);
                 }
-            };
-            pixels.ids[k] = surface.id;
-            for (lane, value) in pixels.planes.iter_mut().zip(surface.normal.to_array()) {
-                lane[k] = value;
+            }
+            Surfaces::Table(table) => {
+                for (i, k) in pixels_of_row.enumerate() {
+                    let surface = table.get(id(i) as usize).unwrap_or(&Surface::UNKNOWN);
+                    let [a, b, c] = surface.normal.to_array();
+                    pixels.set_plane(k, surface.id, [a, b, c, 0.0]);
+                }
             }
         }
     }
