@@ -22,8 +22,8 @@
 //! 4. What the receiver's own horizon cuts off the disc is a circular segment too. All blockers are
 //!    above the horizon, so it is simply subtracted.
 //! 5. The pyramid over the map bounds how far a search needs to go by the nearest depth in reach, and
-//!    tells where texels may block. Receivers of a tile that share a plane share an outline, but for
-//!    cells that look different to some.
+//!    tells where texels may block. Receivers of a tile that share a plane, or an object of many
+//!    planes, share an outline, but for places that look different to some.
 //! 6. Where neighbouring pixels agree, searches are replaced by interpolation ([`Parameters::group`],
 //!    section 4.3). The horizon never is.
 //!
