@@ -1,22 +1,21 @@
-//! Many searches at once: what the pyramid says of neighbouring receivers is asked once for all.
+//! Many searches at once: what can matter to neighbouring receivers is found once for all.
 
-use shadowmap_core::{Level, LightPoint};
+use shadowmap_core::Level;
 
+use crate::candidates::ask_all;
 use crate::descend::{Path, descend};
 use crate::kernels::{Job, Ops, run};
-use crate::pyramid::{LANES, Pyramid};
+use crate::pyramid::Pyramid;
 use crate::reach::{Cone, GroupTest, Reach, Receivers};
-use crate::search::{Search, sqrt};
-use crate::tiles::Tiles;
-use crate::walk::EXACT_EXTENT;
+use crate::receivers::{BATCH, Seekers};
+use crate::search::Search;
+use crate::walk::{EXACT_EXTENT, failing, walk};
 use crate::{Hit, IdTest, Key, Map, Query, Side};
 
-/// Receivers that share one list of tiles.
-const BATCH: usize = 64;
+/// Receivers that are asked together where 64 do not agree.
+const PART: usize = 16;
 /// Fewer are searched one by one.
 const FEW: usize = 4;
-/// More tiles than this are listed only when no hit tells how far away the answers can be.
-const FEW_TILES: usize = LANES;
 
 impl Pyramid<'_> {
     /// The answer to one query: what [`crate::naive::nearest`] gives.
@@ -33,9 +32,9 @@ impl Pyramid<'_> {
 
     /// The answers to many queries, best to a block of neighbouring receivers in rows.
     ///
-    /// Each search takes the hit of the one before (of the same side) as its hint, unless it
-    /// brings its own. Up to 64 receivers in sequence share one look at the pyramid, which is of
-    /// use if they lie close together and have the same ID test.
+    /// Up to 64 receivers in sequence share one way down the pyramid, which is of use if they lie
+    /// close together and have the same ID test. Where they do not, each search takes the hit of
+    /// the one before (of the same side) as its hint, unless it brings its own.
     ///
     /// # Panics
     ///
@@ -54,6 +53,12 @@ impl Pyramid<'_> {
     }
 }
 
+/// What searches need besides the stack of their own.
+struct Scratch {
+    path: Path,
+    seekers: Seekers,
+}
+
 /// The answers to `queries`.
 #[inline(always)]
 pub(crate) fn each_in_pyramid(
@@ -63,38 +68,39 @@ pub(crate) fn each_in_pyramid(
     queries: &[Query],
     hits: &mut [Option<Hit>],
 ) {
-    let mut path = Path::new();
-    let mut tiles = Tiles::new();
+    let mut scratch = Scratch { path: Path::new(), seekers: Seekers::new() };
     for (queries, hits) in queries.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
         for side in [Side::Blocker, Side::Lit] {
-            let Some(mut batch) = Batch::of(queries, side) else { continue };
-            let mut last = None;
-            let is_listed = batch.is_listable(&map)
-                && (tiles.list(ops, &map, pyramid, &batch, FEW_TILES) || {
-                    // What is found for one receiver bounds how far the others must look.
-                    let first = one_in_pyramid(ops, map, pyramid, batch.first, None, &mut path);
-                    if let Some(hit) = first {
-                        last = Some([hit.x, hit.y]);
-                        batch.narrow(pyramid, &hit);
-                    }
-                    tiles.list(ops, &map, pyramid, &batch, Tiles::ROOM)
-                });
-            for (query, hit) in queries.iter().zip(&mut *hits) {
-                if query.side != side {
-                    continue;
-                }
-                if is_listed && tiles.count == 0 {
-                    *hit = None;
-                    continue;
-                }
-                let hint = query.hint.or(last);
-                *hit = if is_listed {
-                    let mut search = Search::new(map, query, hint);
-                    tiles.search(ops, pyramid, &mut search);
-                    search.best
-                } else {
-                    one_in_pyramid(ops, map, pyramid, query, hint, &mut path)
-                };
+            answer(ops, map, pyramid, side, queries, hits, &mut scratch);
+        }
+    }
+}
+
+/// The answers to those of up to 64 queries that look for `side`: together, or 16 by 16, or each
+/// for itself.
+#[inline(always)]
+fn answer(
+    ops: &impl Ops,
+    map: Map<'_>,
+    pyramid: &Pyramid<'_>,
+    side: Side,
+    queries: &[Query],
+    hits: &mut [Option<Hit>],
+    scratch: &mut Scratch,
+) {
+    let Some(batch) = Batch::of(queries, side, &mut scratch.seekers) else { return };
+    if batch.answer(ops, map, pyramid, scratch, queries, hits) {
+        return;
+    }
+    for (queries, hits) in queries.chunks(PART).zip(hits.chunks_mut(PART)) {
+        let Some(part) = Batch::of(queries, side, &mut scratch.seekers) else { continue };
+        if part.answer(ops, map, pyramid, scratch, queries, hits) {
+            continue;
+        }
+        let mut last = None;
+        for (query, hit) in queries.iter().zip(hits) {
+            if query.side == side {
+                *hit = one_in_pyramid(ops, map, pyramid, query, last, &mut scratch.path);
                 last = hit.map(|hit| [hit.x, hit.y]).or(last);
             }
         }
@@ -117,17 +123,15 @@ fn one_in_pyramid(
     } else if map.width() > EXACT_EXTENT || map.height() > EXACT_EXTENT {
         search.ask_box(ops);
     } else {
-        descend(ops, pyramid, &mut search, path);
+        let test = search.group_test(pyramid);
+        descend(ops, pyramid, &mut search, test, path);
     }
     search.best
 }
 
-/// Those of up to [`BATCH`] queries that look for one side.
-pub(crate) struct Batch<'q> {
-    pub first: &'q Query,
-    /// What [`Receivers`] holds.
-    columns: [[f32; BATCH]; 6],
-    count: usize,
+/// What up to [`BATCH`] queries that look for one side have in common.
+struct Batch<'q> {
+    first: &'q Query,
     radius: f32,
     /// All have the same ID test, no jitter, and distances for keys.
     same_ids: bool,
@@ -140,83 +144,122 @@ pub(crate) struct Batch<'q> {
 impl<'q> Batch<'q> {
     /// `None` if none of them looks for `side`.
     #[inline(always)]
-    fn of(queries: &'q [Query], side: Side) -> Option<Batch<'q>> {
+    fn of(queries: &'q [Query], side: Side, seekers: &mut Seekers) -> Option<Batch<'q>> {
         let first = queries.iter().find(|query| query.side == side)?;
-        let mut batch = Batch {
-            first,
-            columns: [[0.0; BATCH]; 6],
-            count: 0,
-            radius: 0.0,
-            same_ids: true,
-            plain: true,
-            by_distance: true,
-            cone: Some(Cone { nearness: f32::INFINITY, at_most: 0.0 }),
-        };
-        for query in queries.iter().filter(|query| query.side == side) {
-            let LightPoint { u, v, nearness, slope } = query.point;
-            let row = [u, v, nearness, slope.x, slope.y, query.offset];
-            for (column, value) in batch.columns.iter_mut().zip(row) {
-                column[batch.count % BATCH] = value;
-            }
-            batch.count += 1;
-            batch.radius = if query.radius > batch.radius { query.radius } else { batch.radius };
-            batch.same_ids &= query.ids == first.ids;
-            batch.plain &= query.jitter_amplitude() == 0.0;
-            match query.key {
-                Key::Distance => batch.cone = None,
-                Key::Ratio { at_most } => {
-                    batch.by_distance = false;
-                    if let Some(cone) = &mut batch.cone {
-                        cone.nearness = cone.nearness.min(nearness);
-                        cone.at_most = cone.at_most.max(at_most);
-                    }
-                }
+        let mut others = 0;
+        for query in queries {
+            others += usize::from(query.side != side);
+        }
+        seekers.clear();
+        // Loops without closures and adapters: those need not be inlined.
+        for query in queries {
+            if others == 0 || query.side == side {
+                seekers.push(query);
             }
         }
-        Some(batch)
+        let (mut radius, mut same_ids, mut plain, mut by_distance) = (0.0, true, true, true);
+        seekers.clear();
+        // A loop without closures and adapters, which need not be inlined.
+        for query in queries {
+            if query.side == side {
+                seekers.push(query);
+                radius = if query.radius > radius { query.radius } else { radius };
+                same_ids &= query.ids == first.ids;
+                plain &= !(query.jitter > 0.0);
+                by_distance &= matches!(query.key, Key::Distance);
+            }
+        }
+        let cone = if by_distance { None } else { cone(queries, side) };
+        Some(Batch { first, radius, same_ids, plain, by_distance, cone })
     }
 
-    /// Whether a list of tiles is worth it.
+    /// Finds all answers at once. False if that is not possible or not worth it.
     #[inline(always)]
-    fn is_listable(&self, map: &Map<'_>) -> bool {
-        self.count >= FEW && self.plain && Search::is_tiled(map)
+    fn answer(
+        &self,
+        ops: &impl Ops,
+        map: Map<'_>,
+        pyramid: &Pyramid<'_>,
+        scratch: &mut Scratch,
+        queries: &[Query],
+        hits: &mut [Option<Hit>],
+    ) -> bool {
+        let Scratch { path, seekers } = scratch;
+        if seekers.count < FEW || !self.plain || !Search::is_tiled(&map) {
+            return false;
+        }
+        let Some(reach) = self.reach(seekers) else { return false };
+        let Query { side, ids, .. } = *self.first;
+        let is_answered = if self.same_ids && self.by_distance {
+            ask_all(ops, map, pyramid, &reach, side, ids, seekers, path)
+        } else {
+            self.is_nothing(ops, pyramid, &reach)
+        };
+        if is_answered {
+            self.give(map, seekers, queries, hits);
+        }
+        is_answered
     }
 
-    /// The ID test that whatever counts for one of the receivers passes.
+    /// Hands out the answers.
     #[inline(always)]
-    pub fn ids(&self) -> IdTest {
-        if self.same_ids { self.first.ids } else { IdTest::Any }
+    fn give(&self, map: Map<'_>, seekers: &Seekers, queries: &[Query], hits: &mut [Option<Hit>]) {
+        if seekers.count == queries.len() && seekers.order == [f32::INFINITY; BATCH] {
+            return hits.fill(None);
+        }
+        let mut i = 0;
+        for (query, hit) in queries.iter().zip(hits) {
+            if query.side == self.first.side {
+                *hit = match seekers.found(i) {
+                    Some(([x, y], distance_squared)) => {
+                        let nearness = map.nearness(x, y);
+                        Some(Hit { x, y, distance_squared, nearness, key: distance_squared })
+                    }
+                    None => None,
+                };
+                i += 1;
+            }
+        }
     }
 
     /// `None` if a receiver's coordinates are not finite.
     #[inline(always)]
-    pub fn reach(&self) -> Option<Reach> {
-        let [u, v, nearness, slope_x, slope_y, offset] =
-            self.columns.each_ref().map(|column| &column[..self.count]);
-        let receivers = Receivers { u, v, nearness, slope_x, slope_y, offset };
+    fn reach(&self, seekers: &Seekers) -> Option<Reach> {
+        let Seekers { u, v, nearness, slope_x, slope_y, offset, .. } = seekers;
+        let count = seekers.count.min(BATCH);
+        let receivers = Receivers {
+            u: &u[..count],
+            v: &v[..count],
+            nearness: &nearness[..count],
+            slope_x: &slope_x[..count],
+            slope_y: &slope_y[..count],
+            offset: &offset[..count],
+        };
         let reach = Reach::around(&receivers, self.radius)?;
         Some(Reach { cone: self.cone, ..reach })
     }
 
-    /// Takes the texel found for one of them as a bound on the distance for all, if it surely
-    /// counts for all.
+    /// Whether no node of the pyramid can matter to any of them.
     #[inline(always)]
-    fn narrow(&mut self, pyramid: &Pyramid<'_>, found: &Hit) {
-        let Some(reach) = self.reach().filter(|_| self.same_ids && self.by_distance) else {
-            return;
-        };
-        let (x, y) = (found.x as f32 + 0.5, found.y as f32 + 0.5);
-        let above = found.nearness - reach.plane.plane_at(x, y);
-        let test = GroupTest::new(&reach, &pyramid.layout, 0.0);
-        let counts = match self.first.side {
-            Side::Blocker => above > test.most,
-            Side::Lit => above <= test.least,
-        };
-        if counts {
-            let far = |x: f32, [from, to]: [f32; 2]| (x - from).max(to - x);
-            let (dx, dy) = (far(x, reach.u), far(y, reach.v));
-            let distance = sqrt(dx * dx + dy * dy) * (1.0 + 1.0 / 262144.0);
-            self.radius = self.radius.min(distance);
-        }
+    fn is_nothing(&self, ops: &impl Ops, pyramid: &Pyramid<'_>, reach: &Reach) -> bool {
+        let ids = if self.same_ids { self.first.ids } else { IdTest::Any };
+        let test = GroupTest::new(reach, &pyramid.layout, 0.0);
+        walk(ops, pyramid, reach, &test, |group, verdicts| {
+            let mut nodes = verdicts.of(self.first.side);
+            if nodes != 0 {
+                nodes &= !failing(ops, pyramid, group.index, ids);
+            }
+            (group.level > 0 || nodes == 0).then_some(nodes)
+        })
     }
+}
+/// The cone around those of all, if all have ratios for keys.
+fn cone(queries: &[Query], side: Side) -> Option<Cone> {
+    let mut cone = Cone { nearness: f32::INFINITY, at_most: 0.0 };
+    for query in queries.iter().filter(|query| query.side == side) {
+        let Key::Ratio { at_most } = query.key else { return None };
+        cone.nearness = cone.nearness.min(query.point.nearness);
+        cone.at_most = cone.at_most.max(at_most);
+    }
+    Some(cone)
 }

@@ -1,18 +1,34 @@
-//! One search, down the pyramid from the nearest node to the farthest.
+//! Down the pyramid, from the nearest node to the farthest.
+
+use core::ops::Range;
 
 use crate::kernels::Ops;
-use crate::pyramid::{LANES, LEAF_HEIGHT, LEAF_WIDTH, MAX_LEVELS, Pyramid};
-use crate::reach::{Boxes, Cone, GroupTest, Reach};
-use crate::search::Search;
-use crate::walk::{Group, failing, groups, level_of};
-use crate::{Key, Side};
+use crate::pyramid::{LANES, MAX_LEVELS, NodeGroup, Pyramid};
+use crate::reach::{Boxes, GroupTest};
+use crate::walk::{Group, failing, group_size, groups, level_of, nearer_first};
+use crate::{IdTest, Side};
+
+/// Who goes down: one search, or a batch of receivers.
+pub(crate) trait Descent {
+    /// Which texels are looked for.
+    fn side(&self) -> Side;
+    fn ids(&self) -> IdTest;
+    /// The columns and rows that can hold an answer.
+    fn window(&self) -> [Range<u32>; 2];
+    /// Brings what nodes are asked up to date with what is known so far.
+    fn narrow(&self, test: &mut GroupTest);
+    /// Nodes with greater keys are of no use.
+    fn bound(&self) -> f32;
+    /// Asks the texels of a leaf, one of the nodes of a group.
+    fn leaf(&mut self, ops: &impl Ops, group: &Group, nodes: &NodeGroup, lane: u32);
+}
 
 /// A group on the way down, of which some nodes wait to be visited.
 #[derive(Clone, Copy)]
-pub(crate) struct Frame {
+struct Frame {
     group: Group,
-    pub nodes: u32,
-    pub keys: [f32; LANES],
+    nodes: u32,
+    keys: [f32; LANES],
 }
 
 /// The groups on the way down, one for each level.
@@ -25,65 +41,54 @@ impl Path {
     }
 }
 
-/// Brings a search to its end.
+/// Visits all leaves that can hold an answer.
 #[inline(always)]
 pub(crate) fn descend(
     ops: &impl Ops,
     pyramid: &Pyramid<'_>,
-    search: &mut Search<'_>,
+    descent: &mut impl Descent,
+    mut test: GroupTest,
     path: &mut Path,
 ) {
-    let [columns, rows] = search.window();
-    let mut test = group_test(search, pyramid);
+    let [columns, rows] = descent.window();
+    if columns.is_empty() || rows.is_empty() {
+        return;
+    }
     let top = level_of(&pyramid.layout, &columns, &rows);
-    for (x, y) in groups(&columns, &rows, top) {
+    let [xs, ys] = groups(&columns, &rows, top);
+    let [width, height] = group_size(top);
+    let x_order = nearer_first(&xs, &columns, width);
+    let y_order = nearer_first(&ys, &rows, height);
+    for i in 0..xs.len() * ys.len() {
+        let (x, y) = (x_order[i % xs.len() % 2], y_order[i / xs.len() % 2]);
         let mut level = top;
-        path.0[level] = visit(ops, search, pyramid, &mut test, Group { level, x, y, index: 0 });
+        path.0[level] = visit(ops, descent, pyramid, &mut test, Group { level, x, y, index: 0 });
         loop {
             let frame = &mut path.0[level];
-            let Some(lane) = next_node(&mut frame.nodes, &frame.keys, search) else {
+            let Some(lane) = next_node(frame, descent.bound()) else {
                 level += 1;
                 if level > top {
                     break;
                 }
                 continue;
             };
-            let [x, y] = frame.group.node(lane);
             if level == 0 {
-                search.ask_tile(ops, x * LEAF_WIDTH, y * LEAF_HEIGHT);
+                let nodes = &pyramid.nodes[frame.group.index];
+                descent.leaf(ops, &frame.group, nodes, lane);
             } else {
+                let [x, y] = frame.group.node(lane);
                 level -= 1;
                 let group = Group { level, x, y, index: 0 };
-                path.0[level] = visit(ops, search, pyramid, &mut test, group);
+                path.0[level] = visit(ops, descent, pyramid, &mut test, group);
             }
         }
     }
 }
 
-/// The test of nodes for one search.
+/// Takes the node with the smallest key, if any can still hold an answer.
 #[inline(always)]
-pub(crate) fn group_test(search: &Search<'_>, pyramid: &Pyramid<'_>) -> GroupTest {
-    let query = search.query;
-    let mut reach = Reach::of(query.point, query.offset, query.radius);
-    if let Key::Ratio { .. } = query.key {
-        reach.cone = Some(Cone { nearness: query.point.nearness, at_most: search.key });
-    }
-    GroupTest::new(&reach, &pyramid.layout, query.jitter_amplitude())
-}
-
-/// Narrows a test to what is still of use.
-#[inline(always)]
-pub(crate) fn narrow(test: &mut GroupTest, search: &Search<'_>) {
-    test.reach_squared = search.test.reach_squared;
-    if let Some(cone) = &mut test.cone {
-        cone.at_most = search.key;
-    }
-}
-
-/// Takes the node with the smallest key, if any can still hold the answer.
-#[inline(always)]
-pub(crate) fn next_node(nodes: &mut u32, keys: &[f32; LANES], search: &Search<'_>) -> Option<u32> {
-    let mut rest = *nodes;
+fn next_node(frame: &mut Frame, bound: f32) -> Option<u32> {
+    let (mut rest, keys) = (frame.nodes, &frame.keys);
     if rest == 0 {
         return None;
     }
@@ -96,24 +101,20 @@ pub(crate) fn next_node(nodes: &mut u32, keys: &[f32; LANES], search: &Search<'_
         }
         rest &= rest - 1;
     }
-    let bound = match search.query.key {
-        Key::Distance => search.test.reach_squared,
-        Key::Ratio { .. } => search.key,
-    };
     // A NaN, which does not bound, comes first or has no texel that counts.
     if keys[lane as usize % LANES] > bound {
-        *nodes = 0;
+        frame.nodes = 0;
         return None;
     }
-    *nodes &= !(1 << lane);
+    frame.nodes &= !(1 << lane);
     Some(lane)
 }
 
-/// The nodes of a group that can hold the answer.
+/// The nodes of a group that can hold an answer.
 #[inline(always)]
 fn visit(
     ops: &impl Ops,
-    search: &Search<'_>,
+    descent: &impl Descent,
     pyramid: &Pyramid<'_>,
     test: &mut GroupTest,
     group: Group,
@@ -121,15 +122,13 @@ fn visit(
     let Group { level, x, y, .. } = group;
     let mut frame = Frame { group, nodes: 0, keys: [0.0; LANES] };
     let Some(index) = pyramid.layout.group(level, x, y) else { return frame };
-    narrow(test, search);
+    frame.group.index = index;
+    descent.narrow(test);
     let verdicts = ops.group(test, &Boxes::of_group(level, x, y), &pyramid.nodes[index]);
     frame.keys = verdicts.keys;
-    frame.nodes = match search.query.side {
-        Side::Blocker => verdicts.may_block,
-        Side::Lit => verdicts.may_be_lit,
-    };
+    frame.nodes = verdicts.of(descent.side());
     if frame.nodes != 0 {
-        frame.nodes &= !failing(ops, pyramid, index, search.query.ids);
+        frame.nodes &= !failing(ops, pyramid, index, descent.ids());
     }
     frame
 }

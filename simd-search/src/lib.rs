@@ -79,18 +79,21 @@
 #![allow(clippy::needless_range_loop)]
 mod batch;
 mod build;
+mod candidates;
 mod classify;
 mod descend;
 mod greatest;
 mod jitter;
 mod kernels;
+mod leaf;
 mod map;
 pub mod naive;
+mod precedence;
 mod pyramid;
 mod query;
 mod reach;
+mod receivers;
 mod search;
-mod tiles;
 mod visits;
 mod walk;
 

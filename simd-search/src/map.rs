@@ -121,13 +121,24 @@ impl Map<'_> {
         match self {
             Map::Planar(map) => {
                 let texels = &map.nearness()[start..];
-                work(core::array::from_fn(|i| row(texels, i * width)))
+                // Loops, for closures need not be inlined.
+                let mut rows = [row(texels, 0); ROWS];
+                for i in 1..ROWS {
+                    rows[i] = row(texels, i * width);
+                }
+                work(rows)
             }
             Map::Packed(map) => {
                 let texels = &map.texels()[start..];
-                let rows: [Row; ROWS] =
-                    core::array::from_fn(|i| row(texels, i * width).map(unpack));
-                work(rows.each_ref())
+                let mut rows = [[0.0; COLUMNS]; ROWS];
+                for i in 0..ROWS {
+                    let texels = row(texels, i * width);
+                    for column in 0..COLUMNS {
+                        rows[i][column] = unpack(texels[column]);
+                    }
+                }
+                let [a, b, c, d, e, f, g, h] = &rows;
+                work([a, b, c, d, e, f, g, h])
             }
         }
     }

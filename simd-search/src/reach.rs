@@ -3,10 +3,11 @@
 use glam::Vec2;
 use shadowmap_core::LightPoint;
 
+use crate::Side;
 use crate::pyramid::{FAN, LANES, Layout};
 
-/// Receivers next to each other, as one: a box of places in the map, a radius, and two parallel
-/// planes with all the receivers' planes between them.
+/// Receivers next to each other, as one: a box of places in the map, a radius, and all their planes
+/// as one plane with a margin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// Least and greatest texel coordinate u of the receivers.
@@ -17,11 +18,13 @@ pub struct Reach {
     pub radius: f32,
     /// A plane in texel space.
     pub plane: LightPoint,
-    /// Wherever the receivers look, a receiver's plane plus its offset has at least the nearness
-    /// of `plane` plus `least`, and at most that of `plane` plus `most`.
+    /// At the plane's (u, v), each receiver's plane plus its offset is between that of `plane` plus
+    /// `least` and that of `plane` plus `most`.
     pub least: f32,
     /// See [`Reach::least`].
     pub most: f32,
+    /// The receivers' slopes differ by no more than this from that of `plane`, along u and v.
+    pub spread: Vec2,
     /// For blockers, the cone from the receivers to the light ([`crate::Key::Ratio`]).
     pub cone: Option<Cone>,
 }
@@ -48,6 +51,7 @@ impl Reach {
             plane: point,
             least: offset,
             most: offset,
+            spread: Vec2::ZERO,
             cone: None,
         }
     }
@@ -61,41 +65,55 @@ impl Reach {
     #[inline(always)]
     #[must_use]
     pub fn around(receivers: &Receivers<'_>, radius: f32) -> Option<Reach> {
-        let Receivers { u, v, nearness, slope_x, slope_y, offset } = *receivers;
-        let slope = Vec2::new(*slope_x.first()?, *slope_y.first()?);
-        let plane =
-            LightPoint { u: *u.first()?, v: *v.first()?, nearness: *nearness.first()?, slope };
-        let first = [plane.u, plane.v, plane.nearness, slope.x, slope.y, *offset.first()?];
-        let columns = [u, v, nearness, slope_x, slope_y, offset];
-        let mut places = [Extremes::NONE; 2];
-        for_lanes(&columns, first, |[u, v, ..]| {
-            places[0].add(u);
-            places[1].add(v);
-        });
-        let (u, v) = (places[0].fold()?, places[1].fold()?);
-
-        // Half the box, with room for jitter and for rounding.
-        let far = (u[0].abs() + u[1].abs()) + (v[0].abs() + v[1].abs());
-        let margin = (radius + 1.0) + (far + radius) * (1.0 / 1048576.0);
-        let half = [(u[1] - u[0]) * 0.5 + margin, (v[1] - v[0]) * 0.5 + margin];
-        let center = [(u[0] + u[1]) * 0.5, (v[0] + v[1]) * 0.5];
-        let at_center = plane.plane_at(center[0], center[1]);
-        // Two planes differ most at corners of the box.
-        let mut above = [Extremes::NONE; 2];
-        for_lanes(&columns, first, |[u, v, nearness, slope_x, slope_y, offset]| {
-            let (mut least, mut most) = ([0.0; LANES], [0.0; LANES]);
-            for i in 0..LANES {
-                let rise = slope_x[i] * (center[0] - u[i]) + slope_y[i] * (center[1] - v[i]);
-                let above = ((nearness[i] + rise) - at_center) + offset[i];
-                let spread =
-                    (slope_x[i] - slope.x).abs() * half[0] + (slope_y[i] - slope.y).abs() * half[1];
-                (least[i], most[i]) = (above - spread, above + spread);
+        let Receivers { u: from_u, v: from_v, nearness, offset, .. } = *receivers;
+        let (from_slope_x, from_slope_y) = (receivers.slope_x, receivers.slope_y);
+        let count = from_u.len();
+        let columns = [from_u, from_v, from_slope_x, from_slope_y];
+        let all = [columns[1], columns[2], columns[3], nearness, offset];
+        assert!(all.iter().all(|column| column.len() == count), "slices of one length");
+        if count == 0 {
+            return None;
+        }
+        let mut extremes = [Extremes::NONE; 4];
+        for chunk in 0..count.div_ceil(LANES) {
+            for i in 0..4 {
+                extremes[i].add(&lanes(columns[i], chunk));
             }
-            above[0].add(&least);
-            above[1].add(&most);
-        });
-        let (least, most) = (above[0].fold()?[0], above[1].fold()?[1]);
-        Some(Reach { u, v, radius, plane, least, most, cone: None })
+        }
+        let [mut center, mut half] = [[0.0; 4]; 2];
+        let mut ranges = [[0.0; 2]; 4];
+        for i in 0..4 {
+            let [least, most] = extremes[i].fold()?;
+            ranges[i] = [least, most];
+            center[i] = (least + most) * 0.5;
+            half[i] = (most - center[i]).max(center[i] - least);
+        }
+        let [u, v, slope_x, slope_y] = center;
+        let rise = from_slope_x[0] * (u - from_u[0]) + from_slope_y[0] * (v - from_v[0]);
+        let at_center = nearness[0] + rise;
+        let mut above = Extremes::NONE;
+        for chunk in 0..count.div_ceil(LANES) {
+            let (from_u, from_v) = (lanes(from_u, chunk), lanes(from_v, chunk));
+            let (slope_x, slope_y) = (lanes(from_slope_x, chunk), lanes(from_slope_y, chunk));
+            let (nearness, offset) = (lanes(nearness, chunk), lanes(offset, chunk));
+            let mut own = [0.0; LANES];
+            for i in 0..LANES {
+                let rise = slope_x[i] * (u - from_u[i]) + slope_y[i] * (v - from_v[i]);
+                own[i] = ((nearness[i] + rise) - at_center) + offset[i];
+            }
+            above.add(&own);
+        }
+        let [least, most] = above.fold()?;
+        Some(Reach {
+            u: ranges[0],
+            v: ranges[1],
+            radius,
+            plane: LightPoint { u, v, nearness: at_center, slope: Vec2::new(slope_x, slope_y) },
+            least,
+            most,
+            spread: Vec2::new(half[2], half[3]),
+            cone: None,
+        })
     }
 }
 
@@ -117,22 +135,16 @@ pub struct Receivers<'a> {
     pub offset: &'a [f32],
 }
 
-/// Calls `work` with 16 rows of a table at a time, the last ones filled up with `first`.
+/// Sixteen numbers of a column, the last ones filled up with the first.
 #[inline(always)]
-fn for_lanes(columns: &[&[f32]; 6], first: [f32; 6], mut work: impl FnMut([&[f32; LANES]; 6])) {
-    let count = columns[0].len();
-    assert!(columns.iter().all(|column| column.len() == count), "slices of one length");
-    let whole = columns.map(|column| column.as_chunks::<LANES>());
-    for i in 0..count / LANES {
-        work(whole.map(|(chunks, _)| &chunks[i]));
+fn lanes(column: &[f32], chunk: usize) -> [f32; LANES] {
+    let rest = &column[chunk * LANES..];
+    if let Some(whole) = rest.first_chunk() {
+        return *whole;
     }
-    if !count.is_multiple_of(LANES) {
-        let mut rest = first.map(|first| [first; LANES]);
-        for (rest, (_, tail)) in rest.iter_mut().zip(whole) {
-            rest[..tail.len()].copy_from_slice(tail);
-        }
-        work(rest.each_ref());
-    }
+    let mut lanes = [column[0]; LANES];
+    lanes[..rest.len()].copy_from_slice(rest);
+    lanes
 }
 
 /// The least and the greatest of many numbers, 16 at a time.
@@ -180,6 +192,9 @@ impl Extremes {
     }
 }
 
+/// Far from where `f32` ends: a millionth of the greatest [`GroupTest::room`].
+const TAME: f32 = 1e30;
+
 /// What the group kernels ask of 16 nodes.
 #[derive(Clone, Copy)]
 pub(crate) struct GroupTest {
@@ -190,14 +205,24 @@ pub(crate) struct GroupTest {
     /// The plane that nodes are compared with.
     pub plane: LightPoint,
     /// A node that nowhere exceeds the plane by more than this does not block any receiver, one
-    /// that everywhere exceeds it by more than that blocks all.
+    /// that everywhere exceeds it by more than that blocks all...
     pub least: f32,
     pub most: f32,
+    /// ...and by this more for every texel away from the plane's (u, v).
+    pub spread: Vec2,
+    /// How much of that is room for rounding.
+    pub room: f32,
     /// Keys are ratios, not squared distances.
     pub cone: Option<Cone>,
 }
 
 impl GroupTest {
+    /// Whether no number that comes of the plane overflows, so that texels can be compared with it.
+    #[inline(always)]
+    pub fn is_tame(&self) -> bool {
+        self.least.abs() < TAME && self.most.abs() < TAME && self.room < TAME
+    }
+
     #[inline(always)]
     pub fn new(reach: &Reach, layout: &Layout, jitter: f32) -> Self {
         let plane = reach.plane;
@@ -206,6 +231,7 @@ impl GroupTest {
         let extent = 4.0 * (layout.width as f32 + layout.height as f32 + 64.0);
         let steep = plane.slope.x.abs() + plane.slope.y.abs();
         let far = plane.u.abs() + plane.v.abs() + extent;
+        let steep = steep + (reach.spread.x + reach.spread.y);
         let magnitude = plane.nearness.abs() + (reach.least.abs() + reach.most.abs()) + steep * far;
         let room = magnitude * (1.0 / 1048576.0);
         let shift = jitter * (0.5 + far * (1.0 / 1048576.0));
@@ -216,6 +242,8 @@ impl GroupTest {
             plane,
             least: reach.least - room,
             most: reach.most + room,
+            spread: reach.spread,
+            room,
             cone: reach.cone,
         }
     }
@@ -263,4 +291,15 @@ pub(crate) struct Verdicts {
     pub may_be_lit: u32,
     /// No texel of node i has a smaller key.
     pub keys: [f32; LANES],
+}
+
+impl Verdicts {
+    /// The nodes that may hold what is looked for.
+    #[inline(always)]
+    pub fn of(&self, side: Side) -> u32 {
+        match side {
+            Side::Blocker => self.may_block,
+            Side::Lit => self.may_be_lit,
+        }
+    }
 }

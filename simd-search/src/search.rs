@@ -4,10 +4,14 @@ use core::ops::Range;
 
 use shadowmap_core::LightPoint;
 
+use crate::descend::Descent;
 use crate::kernels::Ops;
 use crate::map::{COLUMNS, ROWS};
 use crate::naive::reach;
-use crate::{Hit, IdTest, Key, Map, Query, Side};
+use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup};
+use crate::reach::{Cone, GroupTest, Reach};
+use crate::walk::Group;
+use crate::{Hit, IdTest, Key, Map, Pyramid, Query, Side};
 
 /// What the tile kernels ask of 16 x 8 texels.
 #[derive(Clone, Copy)]
@@ -16,7 +20,7 @@ pub(crate) struct TileTest {
     pub first: f32,
     /// The receiver and its plane, and by how much that must be exceeded.
     pub u: f32,
-    v: f32,
+    pub v: f32,
     pub nearness: f32,
     pub slope: [f32; 2],
     pub offset: f32,
@@ -32,7 +36,7 @@ pub(crate) struct TileTest {
 }
 
 impl TileTest {
-    /// The test from one receiver, to be placed by [`TileTest::place`].
+    /// The test from one receiver, to be placed at a tile.
     #[inline(always)]
     pub fn new(point: &LightPoint, offset: f32, radius: f32, side: Side) -> TileTest {
         TileTest {
@@ -50,20 +54,13 @@ impl TileTest {
         }
     }
 
-    /// Places the test at the tile whose first texel is (x, y).
-    #[inline(always)]
-    pub fn place(&mut self, x: u32, y: u32) {
-        self.place_rows(y);
-        self.place_columns(x);
-    }
-
-    /// The first half of [`TileTest::place`].
+    /// Places the test at columns from `x` on.
     #[inline(always)]
     fn place_columns(&mut self, x: u32) {
         self.first = x as f32 + 0.5;
     }
 
-    /// The second half of [`TileTest::place`], the same for all tiles side by side.
+    /// Places the test at rows from `y` on, the same for all tiles side by side.
     #[inline(always)]
     fn place_rows(&mut self, y: u32) {
         let top = y as f32 + 0.5;
@@ -144,16 +141,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The columns and rows that can still hold the answer.
-    #[inline(always)]
-    pub fn window(&self) -> [Range<u32>; 2] {
-        let radius = sqrt(self.test.reach_squared) + self.query.jitter_amplitude();
-        [
-            reach(self.query.point.u, radius, self.map.width()),
-            reach(self.query.point.v, radius, self.map.height()),
-        ]
-    }
-
     /// The columns that can still hold the answer in rows at least `dy` away.
     #[inline(always)]
     fn columns(&self, dy: f32) -> Range<u32> {
@@ -166,6 +153,17 @@ impl<'a> Search<'a> {
         }
         let radius = sqrt(left) + self.query.jitter_amplitude();
         reach(self.query.point.u, radius, self.map.width())
+    }
+
+    /// The test of nodes.
+    #[inline(always)]
+    pub fn group_test(&self, pyramid: &Pyramid<'_>) -> GroupTest {
+        let Query { point, offset, radius, .. } = *self.query;
+        let mut reach = Reach::of(point, offset, radius);
+        if let Key::Ratio { .. } = self.query.key {
+            reach.cone = Some(Cone { nearness: point.nearness, at_most: self.key });
+        }
+        GroupTest::new(&reach, &pyramid.layout, self.query.jitter_amplitude())
     }
 
     /// Asks the texels of the tile that starts at (x, y), or one further left or up where that
@@ -193,7 +191,8 @@ impl<'a> Search<'a> {
             while found != 0 && !better {
                 let row = found.trailing_zeros() / COLUMNS as u32;
                 let shift = row * COLUMNS as u32;
-                let mut columns = (found >> shift) as u16 & self.ids(ops, x, y + row);
+                let mut columns =
+                    (found >> shift) as u16 & passing(ops, &self.map, self.query.ids, x, y + row);
                 found &= !(0xffff << shift);
                 all = found;
                 while columns != 0 {
@@ -213,17 +212,6 @@ impl<'a> Search<'a> {
             for x in x..x.saturating_add(COLUMNS as u32).min(self.map.width()) {
                 self.ask(x, y);
             }
-        }
-    }
-
-    /// The texels of a tile's row that pass the ID test.
-    #[inline(always)]
-    fn ids(&self, ops: &impl Ops, x: u32, y: u32) -> u16 {
-        let equal = |id| ops.equal(&self.map.row_of_ids(x, y), id & self.map.id_mask()) as u16;
-        match self.query.ids {
-            IdTest::Any => 0xffff,
-            IdTest::Differs(id) => !equal(id),
-            IdTest::Equals(id) => equal(id),
         }
     }
 
@@ -276,6 +264,60 @@ impl<'a> Search<'a> {
         for x in columns.step_by(COLUMNS) {
             self.ask_in_rows(ops, x, y);
         }
+    }
+}
+
+/// The texels of a tile's row that pass an ID test.
+#[inline(always)]
+pub(crate) fn passing(ops: &impl Ops, map: &Map<'_>, ids: IdTest, x: u32, y: u32) -> u16 {
+    let equal = |id| ops.equal(&map.row_of_ids(x, y), id & map.id_mask()) as u16;
+    match ids {
+        IdTest::Any => 0xffff,
+        IdTest::Differs(id) => !equal(id),
+        IdTest::Equals(id) => equal(id),
+    }
+}
+
+impl Descent for Search<'_> {
+    #[inline(always)]
+    fn side(&self) -> Side {
+        self.query.side
+    }
+
+    #[inline(always)]
+    fn ids(&self) -> IdTest {
+        self.query.ids
+    }
+
+    #[inline(always)]
+    fn window(&self) -> [Range<u32>; 2] {
+        let radius = sqrt(self.test.reach_squared) + self.query.jitter_amplitude();
+        [
+            reach(self.query.point.u, radius, self.map.width()),
+            reach(self.query.point.v, radius, self.map.height()),
+        ]
+    }
+
+    #[inline(always)]
+    fn narrow(&self, test: &mut GroupTest) {
+        test.reach_squared = self.test.reach_squared;
+        if let Some(cone) = &mut test.cone {
+            cone.at_most = self.key;
+        }
+    }
+
+    #[inline(always)]
+    fn bound(&self) -> f32 {
+        match self.query.key {
+            Key::Distance => self.test.reach_squared,
+            Key::Ratio { .. } => self.key,
+        }
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, ops: &impl Ops, group: &Group, _: &NodeGroup, lane: u32) {
+        let [x, y] = group.node(lane);
+        self.ask_tile(ops, x * LEAF_WIDTH, y * LEAF_HEIGHT);
     }
 }
 

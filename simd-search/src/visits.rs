@@ -4,9 +4,11 @@ use core::cell::Cell;
 
 use crate::build::Ranges;
 use crate::kernels::{Job, Ops, scalar};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest, Verdicts};
+use crate::receivers::Seekers;
 use crate::search::TileTest;
 use crate::{Map, Pyramid, Query};
 
@@ -63,6 +65,10 @@ impl<K: Ops> Ops for Counted<K> {
         self.texels.set(self.texels.get() + (COLUMNS * ROWS) as u64);
         self.ops.tile(test, rows)
     }
+    fn sift(&self, test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2] {
+        self.texels.set(self.texels.get() + (COLUMNS * ROWS) as u64);
+        self.ops.sift(test, rows)
+    }
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
         self.ops.equal(numbers, number)
     }
@@ -72,5 +78,13 @@ impl<K: Ops> Ops for Counted<K> {
     }
     fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         self.ops.leaf(rows, slope)
+    }
+    fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
+        self.nodes.set(self.nodes.get() + seekers.count as u64);
+        self.ops.matters(leaf, rows, seekers, lit)
+    }
+    fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
+        self.texels.set(self.texels.get() + (texels.len() * seekers.count) as u64);
+        self.ops.ask(texels, seekers, lanes, lit);
     }
 }

@@ -47,53 +47,58 @@ pub(crate) fn walk(
     let (columns, rows) = (around(reach.u, layout.width), around(reach.v, layout.height));
     let top = level_of(layout, &columns, &rows);
     let mut path = [(Group::default(), 0); MAX_LEVELS];
-    for (x, y) in groups(&columns, &rows, top) {
-        let (mut level, mut next) = (top, [x, y]);
-        loop {
-            // Down to the group at `next`, then on to the next child that waits.
-            let [x, y] = next;
-            let mut waiting = 0;
-            let mut group = Group { level, x, y, index: 0 };
-            if let Some(index) = layout.group(level, x, y) {
-                group.index = index;
-                let boxes = Boxes::of_group(level, x, y);
-                let verdicts = ops.group(test, &boxes, &pyramid.nodes[index]);
-                match visit(&group, &verdicts) {
-                    Some(nodes) => waiting = nodes,
-                    None => return false,
+    let [xs, ys] = groups(&columns, &rows, top);
+    for y in ys {
+        for x in xs.clone() {
+            let (mut level, mut next) = (top, [x, y]);
+            loop {
+                // Down to the group at `next`, then on to the next child that waits.
+                let [x, y] = next;
+                let mut waiting = 0;
+                let mut group = Group { level, x, y, index: 0 };
+                if let Some(index) = layout.group(level, x, y) {
+                    group.index = index;
+                    let boxes = Boxes::of_group(level, x, y);
+                    let verdicts = ops.group(test, &boxes, &pyramid.nodes[index]);
+                    match visit(&group, &verdicts) {
+                        Some(nodes) => waiting = nodes,
+                        None => return false,
+                    }
                 }
+                path[level] = (group, waiting);
+                while level < top && path[level].1 == 0 {
+                    level += 1;
+                }
+                let (group, waiting) = &mut path[level];
+                if *waiting == 0 || level == 0 {
+                    break;
+                }
+                next = group.node(waiting.trailing_zeros());
+                *waiting &= *waiting - 1;
+                level -= 1;
             }
-            path[level] = (group, waiting);
-            while level < top && path[level].1 == 0 {
-                level += 1;
-            }
-            let (group, waiting) = &mut path[level];
-            if *waiting == 0 || level == 0 {
-                break;
-            }
-            next = group.node(waiting.trailing_zeros());
-            *waiting &= *waiting - 1;
-            level -= 1;
         }
     }
     true
 }
 
-/// The groups of a level that a box of texels meets.
+/// The groups of a level that a box of texels meets: their columns and rows.
 #[inline(always)]
-pub(crate) fn groups(
-    columns: &Range<u32>,
-    rows: &Range<u32>,
-    level: usize,
-) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn groups(columns: &Range<u32>, rows: &Range<u32>, level: usize) -> [Range<u32>; 2] {
+    if columns.is_empty() || rows.is_empty() {
+        return [0..0, 0..0];
+    }
     let [width, height] = group_size(level);
-    let (xs, ys) = if columns.is_empty() || rows.is_empty() {
-        (0..0, 0..0)
-    } else {
-        let past = |range: &Range<u32>, size: u32| (range.end - 1) / size + 1;
-        (columns.start / width..past(columns, width), rows.start / height..past(rows, height))
-    };
-    ys.flat_map(move |y| xs.clone().map(move |x| (x, y)))
+    let past = |range: &Range<u32>, size: u32| (range.end - 1) / size + 1;
+    [columns.start / width..past(columns, width), rows.start / height..past(rows, height)]
+}
+
+/// The one or two numbers of a range, the one closer to the middle of the texels that they are the
+/// groups of first.
+#[inline(always)]
+pub(crate) fn nearer_first(groups: &Range<u32>, texels: &Range<u32>, size: u32) -> [u32; 2] {
+    let first = (texels.start + (texels.end - texels.start) / 2) / size;
+    [first, groups.start + (groups.end - 1) - first]
 }
 
 /// The level whose groups are at least as large as a box: it meets at most four of them.
@@ -112,7 +117,7 @@ pub(crate) fn level_of(layout: &Layout, columns: &Range<u32>, rows: &Range<u32>)
 
 /// Texels per group of a level, along each axis.
 #[inline(always)]
-fn group_size(level: usize) -> [u32; 2] {
+pub(crate) fn group_size(level: usize) -> [u32; 2] {
     Layout::node_size(level).map(|size| (size * u64::from(FAN)).min(1 << 31) as u32)
 }
 

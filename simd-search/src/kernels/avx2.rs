@@ -5,11 +5,14 @@ use core::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::*;
 
+use crate::kernels::receivers::{ask, matters, sift};
 use crate::kernels::vectors::{Vectors, equal, group, leaf, operations, tile};
 use crate::kernels::{Job, Kernels};
+use crate::leaf::{Candidate, Leaf, SiftTest};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest};
+use crate::receivers::Seekers;
 use crate::search::TileTest;
 
 #[derive(Clone, Copy)]
@@ -21,9 +24,16 @@ pub(crate) fn run(job: Job<'_>) {
     // Closures have the features of this function.
     job.run(&Kernels {
         tile: |test: &TileTest, rows: [&Row; ROWS]| tile(v, test, rows),
+        sift: |test: &SiftTest, rows: [&Row; ROWS]| sift(v, test, rows),
         equal: |numbers: &[u32; LANES], number: u32| equal(v, numbers, number),
         group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| group(v, test, boxes, nodes),
         leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(v, rows, slope),
+        matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
+            matters(v, leaf, rows, seekers, lit)
+        },
+        ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
+            ask(v, texels, seekers, lanes, lit)
+        },
     });
 }
 
@@ -47,6 +57,9 @@ impl Vectors for Avx2 {
         at_most(a: F, b: F) -> M = _mm256_cmp_ps::<_CMP_LE_OQ>(a, b);
         same_bits(a: F, b: u32) -> M =
             _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_set1_epi32(b as i32)));
+        both(a: M, b: M) -> M = _mm256_and_ps(a, b);
+        either(a: M, b: M) -> M = _mm256_or_ps(a, b);
+        choose(m: M, a: F, b: F) -> F = _mm256_blendv_ps(b, a, m);
         bits(m: M) -> u32 = _mm256_movemask_ps(m) as u32;
     }
 }

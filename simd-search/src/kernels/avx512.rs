@@ -5,11 +5,14 @@ use core::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::*;
 
+use crate::kernels::receivers::{ask, matters, sift};
 use crate::kernels::vectors::{Vectors, equal, group, leaf, operations, tile};
 use crate::kernels::{Job, Kernels};
+use crate::leaf::{Candidate, Leaf, SiftTest};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest};
+use crate::receivers::Seekers;
 use crate::search::TileTest;
 
 #[derive(Clone, Copy)]
@@ -21,9 +24,16 @@ pub(crate) fn run(job: Job<'_>) {
     // Closures have the features of this function.
     job.run(&Kernels {
         tile: |test: &TileTest, rows: [&Row; ROWS]| tile(v, test, rows),
+        sift: |test: &SiftTest, rows: [&Row; ROWS]| sift(v, test, rows),
         equal: |numbers: &[u32; LANES], number: u32| equal(v, numbers, number),
         group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| group(v, test, boxes, nodes),
         leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(v, rows, slope),
+        matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
+            matters(v, leaf, rows, seekers, lit)
+        },
+        ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
+            ask(v, texels, seekers, lanes, lit)
+        },
     });
 }
 
@@ -47,10 +57,13 @@ impl Vectors for Avx512 {
         at_most(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
         same_bits(a: F, b: u32) -> M =
             _mm512_cmpeq_epi32_mask(_mm512_castps_si512(a), _mm512_set1_epi32(b as i32));
+        choose(m: M, a: F, b: F) -> F = _mm512_mask_blend_ps(m, b, a);
         least(a: F) -> f32 = _mm512_reduce_min_ps(a);
         greatest(a: F) -> f32 = _mm512_reduce_max_ps(a);
     }
     operations! { safe:
+        both(a: M, b: M) -> M = a & b;
+        either(a: M, b: M) -> M = a | b;
         bits(m: M) -> u32 = u32::from(m);
     }
 }

@@ -1,4 +1,4 @@
-//! The four operations that searches are made of, at every instruction set, and the door to them.
+//! The seven operations that searches are made of, at every instruction set, and the door to them.
 
 use core::ops::Range;
 
@@ -7,9 +7,11 @@ use shadowmap_core::Level;
 use crate::batch::each_in_pyramid;
 use crate::build::{Ranges, build};
 use crate::classify::{Verdict, classify};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
 use crate::reach::{Boxes, GroupTest, Reach, Verdicts};
+use crate::receivers::Seekers;
 use crate::search::{Search, TileTest};
 use crate::{Hit, IdTest, Map, Query};
 
@@ -19,6 +21,12 @@ mod avx2;
 mod avx512;
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 mod neon;
+#[cfg(any(
+    target_feature = "sse2",
+    all(target_arch = "aarch64", target_endian = "little"),
+    all(target_arch = "wasm32", target_feature = "simd128"),
+))]
+mod receivers;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
@@ -33,38 +41,55 @@ mod vectors;
 
 /// What the algorithms, written once, ask of an instruction set.
 ///
-/// Each instruction set makes one [`Kernels`] of four closures inside a function with its target
+/// Each instruction set makes one [`Kernels`] of seven closures inside a function with its target
 /// features: closures have the features of the function they are made in, and everything between
 /// is `#[inline(always)]`.
 pub(crate) trait Ops {
     /// The texels of a tile that pass the test: 16 bits for each row, the first in the lowest.
     fn tile(&self, test: &TileTest, rows: [&Row; ROWS]) -> u128;
+    /// The texels of a tile that may count for some receiver of a batch, and those that count for
+    /// each that they are in reach of: bits as those of [`Ops::tile`].
+    fn sift(&self, test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2];
     /// The numbers that equal one of them, bit i for number i.
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32;
     /// What 16 nodes can hold.
     fn group(&self, test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts;
     /// The ranges of the texels of a leaf, minus a plane with the given slope through its centre.
     fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges;
+    /// The receivers that a leaf may hold the answer for, bit i for receiver i.
+    fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter;
+    /// Lets receivers ask each of the texels, all that have a bit in `lanes` and others.
+    fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool);
 }
 
-/// [`Ops`] of four closures.
-pub(crate) struct Kernels<T, E, G, L> {
+/// [`Ops`] of seven closures.
+pub(crate) struct Kernels<T, S, E, G, L, M, A> {
     pub tile: T,
+    pub sift: S,
     pub equal: E,
     pub group: G,
     pub leaf: L,
+    pub matters: M,
+    pub ask: A,
 }
 
-impl<T, E, G, L> Ops for Kernels<T, E, G, L>
+impl<T, S, E, G, L, M, A> Ops for Kernels<T, S, E, G, L, M, A>
 where
     T: Fn(&TileTest, [&Row; ROWS]) -> u128,
+    S: Fn(&SiftTest, [&Row; ROWS]) -> [u128; 2],
     E: Fn(&[u32; LANES], u32) -> u32,
     G: Fn(&GroupTest, &Boxes, &NodeGroup) -> Verdicts,
     L: Fn([&Row; ROWS], [f32; 2]) -> Ranges,
+    M: Fn(&Leaf, [&Row; ROWS], &Seekers, bool) -> Matter,
+    A: Fn(&[Candidate], &mut Seekers, u64, bool),
 {
     #[inline(always)]
     fn tile(&self, test: &TileTest, rows: [&Row; ROWS]) -> u128 {
         (self.tile)(test, rows)
+    }
+    #[inline(always)]
+    fn sift(&self, test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2] {
+        (self.sift)(test, rows)
     }
     #[inline(always)]
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32 {
@@ -77,6 +102,14 @@ where
     #[inline(always)]
     fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         (self.leaf)(rows, slope)
+    }
+    #[inline(always)]
+    fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
+        (self.matters)(leaf, rows, seekers, lit)
+    }
+    #[inline(always)]
+    fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
+        (self.ask)(texels, seekers, lanes, lit);
     }
 }
 

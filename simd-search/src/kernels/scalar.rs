@@ -2,9 +2,11 @@
 
 use crate::build::{FIRST, Ranges};
 use crate::kernels::{Job, Kernels, Ops};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest, Verdicts};
+use crate::receivers::Seekers;
 use crate::search::{RATIO_ROOM, TileTest};
 
 pub(crate) fn run(job: Job<'_>) {
@@ -14,7 +16,7 @@ pub(crate) fn run(job: Job<'_>) {
 /// The kernels themselves.
 #[inline(always)]
 pub(crate) fn kernels() -> impl Ops {
-    Kernels { tile, equal, group, leaf }
+    Kernels { tile, sift, equal, group, leaf, matters, ask }
 }
 
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
@@ -39,6 +41,35 @@ fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
     all
 }
 
+fn sift(test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2] {
+    let [mut may, mut sure] = [0; 2];
+    for row in 0..ROWS {
+        for (column, &nearness) in rows[row].iter().enumerate() {
+            let x = test.first + column as f32;
+            let dx = x - test.u;
+            let plane = test.nearness + (test.slope * dx + test.rise[row]);
+            let margin = test.spread * dx.abs() + test.margin[row];
+            let blocks_some = nearness > (plane + test.least) - margin;
+            let blocks_all = nearness > (plane + test.most) + margin;
+            let gap = gap(x, x, test.from, test.to);
+            if gap * gap + test.dy_squared[row] <= test.reach_squared {
+                let [some, all] =
+                    if test.lit { [!blocks_all, !blocks_some] } else { [blocks_some, blocks_all] };
+                may |= u128::from(some) << (COLUMNS * row + column);
+                sure |= u128::from(all) << (COLUMNS * row + column);
+            }
+        }
+    }
+    [may, sure]
+}
+
+/// How far something from `low` to `high` is from receivers between `from` and `to`.
+fn gap(low: f32, high: f32, from: f32, to: f32) -> f32 {
+    let (before, after) = (low - to, from - high);
+    let gap = if before > after { before } else { after };
+    if gap > 0.0 { gap } else { 0.0 }
+}
+
 fn equal(numbers: &[u32; LANES], number: u32) -> u32 {
     (0..LANES).fold(0, |found, i| found | u32::from(numbers[i] == number) << i)
 }
@@ -47,26 +78,24 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
     let mut verdicts = Verdicts { may_block: 0, may_be_lit: 0, keys: [0.0; LANES] };
     let plane = test.plane;
     for i in 0..LANES {
-        let gap = |low: f32, high: f32, axis: usize| {
-            let (before, after) = (low - test.to[axis], test.from[axis] - high);
-            let gap = if before > after { before } else { after };
-            if gap > 0.0 { gap } else { 0.0 }
-        };
-        let (dx, dy) =
-            (gap(boxes.left[i], boxes.right[i], 0), gap(boxes.top[i], boxes.bottom[i], 1));
+        let dx = gap(boxes.left[i], boxes.right[i], test.from[0], test.to[0]);
+        let dy = gap(boxes.top[i], boxes.bottom[i], test.from[1], test.to[1]);
         let distance = dx * dx + dy * dy;
-        let x = (boxes.left[i] + boxes.right[i]) * 0.5 - plane.u;
-        let y = (boxes.top[i] + boxes.bottom[i]) * 0.5 - plane.v;
-        let at_center = plane.nearness + (plane.slope.x * x + plane.slope.y * y);
+        let from_u = (boxes.left[i] + boxes.right[i]) * 0.5 - plane.u;
+        let from_v = (boxes.top[i] + boxes.bottom[i]) * 0.5 - plane.v;
+        let at_center = plane.nearness + (plane.slope.x * from_u + plane.slope.y * from_v);
         let half_x = (boxes.right[i] - boxes.left[i]) * 0.5;
         let half_y = (boxes.bottom[i] - boxes.top[i]) * 0.5;
-        let tilt = |x: f32, y: f32| x.abs() * half_x + y.abs() * half_y;
-        let spread = tilt(nodes.slope_x[i] - plane.slope.x, nodes.slope_y[i] - plane.slope.y);
+        let tilt = |x: f32, y: f32| x * half_x + y * half_y;
+        let steeper_x = (nodes.slope_x[i] - plane.slope.x).abs() + test.spread.x;
+        let steeper_y = (nodes.slope_y[i] - plane.slope.y).abs() + test.spread.y;
+        let away = test.spread.x * from_u.abs() + test.spread.y * from_v.abs();
+        let spread = tilt(steeper_x, steeper_y) + away;
         let below = (nodes.high[i] + spread) - at_center <= test.least;
         let above = (nodes.low[i] - spread) - at_center > test.most;
         let (mut key, mut outside) = (distance, false);
         if let Some(cone) = test.cone {
-            let most = nodes.high[i] + tilt(nodes.slope_x[i], nodes.slope_y[i]);
+            let most = nodes.high[i] + tilt(nodes.slope_x[i].abs(), nodes.slope_y[i].abs());
             let nearer = most - cone.nearness;
             key = distance / (nearer * nearer);
             outside = nearer <= 0.0 || key > cone.at_most;
@@ -88,4 +117,76 @@ fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
         }
     }
     ranges
+}
+
+fn matters(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
+    let [middle_u, middle_v] = [leaf.u, leaf.v].map(|[from, to]| (from + to) * 0.5);
+    let [half_u, half_v] = [leaf.u, leaf.v].map(|[from, to]| (to - from) * 0.5);
+    let mut matter = Matter::default();
+    for i in 0..seekers.count {
+        let (u, v) = (seekers.u[i], seekers.v[i]);
+        let (dx, dy) = (gap(leaf.u[0], leaf.u[1], u, u), gap(leaf.v[0], leaf.v[1], v, v));
+        let near = dx * dx + dy * dy <= seekers.distance[i];
+        let (slope_x, slope_y) = (seekers.slope_x[i], seekers.slope_y[i]);
+        let rise = slope_x * (middle_u - u) + slope_y * (middle_v - v);
+        let plane = (seekers.nearness[i] + rise) + seekers.offset[i];
+        let steeper_x = (leaf.slope[0] - slope_x).abs();
+        let steeper_y = (leaf.slope[1] - slope_y).abs();
+        let spread = steeper_x * half_u + steeper_y * half_v;
+        let none = if lit { leaf.low - spread > plane } else { leaf.high + spread <= plane };
+        if near && !none {
+            let rows = if leaf.holds_unknown(lit) {
+                u32::MAX
+            } else {
+                rows_that_matter(leaf, rows, seekers, lit, i)
+            };
+            matter.rows |= rows;
+            matter.lanes |= u64::from(rows != 0) << i;
+        }
+    }
+    matter
+}
+
+fn rows_that_matter(
+    leaf: &Leaf,
+    rows: [&Row; ROWS],
+    seekers: &Seekers,
+    lit: bool,
+    i: usize,
+) -> u32 {
+    let (slope_x, slope_y) = (seekers.slope_x[i], seekers.slope_y[i]);
+    let rise = slope_x * (leaf.first[0] - seekers.u[i]) + slope_y * (leaf.first[1] - seekers.v[i]);
+    let plane = (seekers.nearness[i] + seekers.offset[i]) + rise;
+    let mut found = 0;
+    for (row, y) in rows.into_iter().zip(0u8..) {
+        let plane = plane + slope_y * f32::from(y);
+        let gaps = row.iter().zip(0u8..).map(|(texel, x)| slope_x * f32::from(x) - texel);
+        let matters = if lit {
+            let above =
+                gaps.fold(f32::NEG_INFINITY, |most, gap| if gap > most { gap } else { most });
+            above + plane >= -leaf.room
+        } else {
+            let below =
+                gaps.fold(f32::INFINITY, |least, gap| if gap < least { gap } else { least });
+            below + plane <= leaf.room
+        };
+        found |= u32::from(matters) << y;
+    }
+    found
+}
+
+fn ask(texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
+    for i in (0..seekers.count).filter(|i| lanes >> i & 1 == 1) {
+        for texel in texels {
+            let (dx, dy) = (texel.x - seekers.u[i], texel.y - seekers.v[i]);
+            let distance = dx * dx + dy * dy;
+            let rise = seekers.slope_x[i] * dx + seekers.slope_y[i] * dy;
+            let plane = (seekers.nearness[i] + rise) + seekers.offset[i];
+            let counts = (texel.nearness > plane) != lit;
+            let ties = distance == seekers.distance[i] && texel.order < seekers.order[i];
+            if counts && (distance < seekers.distance[i] || ties) {
+                (seekers.distance[i], seekers.order[i]) = (distance, texel.order);
+            }
+        }
+    }
 }

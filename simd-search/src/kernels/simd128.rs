@@ -2,11 +2,14 @@
 
 use core::arch::wasm32::*;
 
+use crate::kernels::receivers::{ask, matters, sift};
 use crate::kernels::vectors::{Vectors, equal, group, leaf, operations, tile};
 use crate::kernels::{Job, Kernels};
+use crate::leaf::{Candidate, Leaf, SiftTest};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest};
+use crate::receivers::Seekers;
 use crate::search::TileTest;
 
 #[derive(Clone, Copy)]
@@ -18,9 +21,16 @@ pub(crate) fn run(job: Job<'_>) {
     // Closures have the features of this function.
     job.run(&Kernels {
         tile: |test: &TileTest, rows: [&Row; ROWS]| tile(v, test, rows),
+        sift: |test: &SiftTest, rows: [&Row; ROWS]| sift(v, test, rows),
         equal: |numbers: &[u32; LANES], number: u32| equal(v, numbers, number),
         group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| group(v, test, boxes, nodes),
         leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(v, rows, slope),
+        matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
+            matters(v, leaf, rows, seekers, lit)
+        },
+        ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
+            ask(v, texels, seekers, lanes, lit)
+        },
     });
 }
 
@@ -43,6 +53,9 @@ impl Vectors for Simd128 {
         greater(a: F, b: F) -> M = f32x4_gt(a, b);
         at_most(a: F, b: F) -> M = f32x4_le(a, b);
         same_bits(a: F, b: u32) -> M = u32x4_eq(a, u32x4_splat(b));
+        both(a: M, b: M) -> M = v128_and(a, b);
+        either(a: M, b: M) -> M = v128_or(a, b);
+        choose(m: M, a: F, b: F) -> F = v128_bitselect(a, b, m);
         bits(m: M) -> u32 = u32::from(u32x4_bitmask(m));
     }
 }

@@ -14,7 +14,7 @@ use crate::reach::{Boxes, GroupTest, Verdicts};
 use crate::search::{RATIO_ROOM, TileTest};
 
 /// The number of each lane.
-const LANE: [f32; LANES] =
+pub(super) const LANE: [f32; LANES] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// What an instruction set does with a vector of single-precision numbers. A value is the proof
@@ -40,6 +40,10 @@ pub(crate) trait Vectors: Copy {
     fn at_most(self, a: Self::F, b: Self::F) -> Self::M;
     /// Whether the bits are those of an integer.
     fn same_bits(self, a: Self::F, b: u32) -> Self::M;
+    fn both(self, a: Self::M, b: Self::M) -> Self::M;
+    fn either(self, a: Self::M, b: Self::M) -> Self::M;
+    /// `m ? a : b`.
+    fn choose(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// Bit `i` is lane `i`.
     fn bits(self, m: Self::M) -> u32;
 
@@ -85,32 +89,32 @@ pub(crate) use operations;
 
 /// Lanes in a vector.
 #[inline(always)]
-const fn width<V: Vectors>() -> usize {
+pub(super) const fn width<V: Vectors>() -> usize {
     size_of::<V::F>() / size_of::<f32>()
 }
 
 /// Vectors in a tile's row or a group of nodes.
 #[inline(always)]
-const fn parts<V: Vectors>() -> usize {
+pub(super) const fn parts<V: Vectors>() -> usize {
     LANES / width::<V>()
 }
 
 /// One of the vectors in a row.
 #[inline(always)]
-fn load<V: Vectors, T: NoUninit>(row: &[T; LANES], part: usize) -> V::F {
+pub(super) fn load<V: Vectors, T: NoUninit>(row: &[T; LANES], part: usize) -> V::F {
     let lanes = &row[part * width::<V>()..][..width::<V>()];
     pod_read_unaligned(cast_slice(lanes))
 }
 
 /// The bits of a mask, those of vector `part` in their place.
 #[inline(always)]
-fn bits<V: Vectors>(v: V, mask: V::M, part: usize) -> u32 {
+pub(super) fn bits<V: Vectors>(v: V, mask: V::M, part: usize) -> u32 {
     v.bits(mask) << (width::<V>() * part)
 }
 
 /// The bits of all rows, the first in the lowest.
 #[inline(always)]
-fn word(rows: [u32; ROWS]) -> u128 {
+pub(super) fn word(rows: [u32; ROWS]) -> u128 {
     let half = |i: usize| {
         let [a, b, c, d] = [rows[i], rows[i + 1], rows[i + 2], rows[i + 3]].map(u64::from);
         (a | b << COLUMNS) | (c << (2 * COLUMNS) | d << (3 * COLUMNS))
@@ -169,18 +173,19 @@ pub(crate) fn equal<V: Vectors>(v: V, numbers: &[u32; LANES], number: u32) -> u3
     found
 }
 
-/// How far boxes are from the receivers along an axis.
+/// How far boxes are from receivers between `from` and `to` along an axis.
 #[inline(always)]
-fn gap<V: Vectors>(v: V, test: &GroupTest, low: V::F, high: V::F, axis: usize) -> V::F {
-    let before = v.sub(low, v.all(test.to[axis]));
-    let after = v.sub(v.all(test.from[axis]), high);
+pub(super) fn gap<V: Vectors>(v: V, low: V::F, high: V::F, from: V::F, to: V::F) -> V::F {
+    let before = v.sub(low, to);
+    let after = v.sub(from, high);
     v.larger(v.larger(before, after), v.all(0.0))
 }
 
-/// How far a plane rises from the centre of a box to its highest corner.
+/// How far a plane rises from the centre of a box to its highest corner, its slopes without their
+/// signs.
 #[inline(always)]
-fn tilt<V: Vectors>(v: V, slope: [V::F; 2], half: [V::F; 2]) -> V::F {
-    v.add(v.mul(v.abs(slope[0]), half[0]), v.mul(v.abs(slope[1]), half[1]))
+pub(super) fn tilt<V: Vectors>(v: V, slope: [V::F; 2], half: [V::F; 2]) -> V::F {
+    v.add(v.mul(slope[0], half[0]), v.mul(slope[1], half[1]))
 }
 
 /// [`super::Ops::group`].
@@ -196,21 +201,25 @@ pub(crate) fn group<V: Vectors>(
     for part in 0..parts::<V>() {
         let (left, right) = (load::<V, _>(&boxes.left, part), load::<V, _>(&boxes.right, part));
         let (top, bottom) = (load::<V, _>(&boxes.top, part), load::<V, _>(&boxes.bottom, part));
-        let (dx, dy) = (gap(v, test, left, right, 0), gap(v, test, top, bottom, 1));
+        let dx = gap(v, left, right, v.all(test.from[0]), v.all(test.to[0]));
+        let dy = gap(v, top, bottom, v.all(test.from[1]), v.all(test.to[1]));
         let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
         let near = bits(v, v.at_most(distance, v.all(test.reach_squared)), part);
 
         let x = v.sub(v.mul(v.add(left, right), v.all(0.5)), v.all(plane.u));
         let y = v.sub(v.mul(v.add(top, bottom), v.all(0.5)), v.all(plane.v));
-        let (x, y) = (v.mul(v.all(plane.slope.x), x), v.mul(v.all(plane.slope.y), y));
-        let at_center = v.add(v.all(plane.nearness), v.add(x, y));
+        let rise = v.add(v.mul(v.all(plane.slope.x), x), v.mul(v.all(plane.slope.y), y));
+        let at_center = v.add(v.all(plane.nearness), rise);
+        let [spread_x, spread_y] = [v.all(test.spread.x), v.all(test.spread.y)];
+        let away = tilt(v, [spread_x, spread_y], [v.abs(x), v.abs(y)]);
 
         let half_x = v.mul(v.sub(right, left), v.all(0.5));
         let half_y = v.mul(v.sub(bottom, top), v.all(0.5));
         let half = [half_x, half_y];
         let (x, y) = (load::<V, _>(&nodes.slope_x, part), load::<V, _>(&nodes.slope_y, part));
-        let steeper = [v.sub(x, v.all(plane.slope.x)), v.sub(y, v.all(plane.slope.y))];
-        let spread = tilt(v, steeper, half);
+        let steeper_x = v.add(v.abs(v.sub(x, v.all(plane.slope.x))), spread_x);
+        let steeper_y = v.add(v.abs(v.sub(y, v.all(plane.slope.y))), spread_y);
+        let spread = v.add(tilt(v, [steeper_x, steeper_y], half), away);
         let (low, high) = (load::<V, _>(&nodes.low, part), load::<V, _>(&nodes.high, part));
         let highest = v.sub(v.add(high, spread), at_center);
         let lowest = v.sub(v.sub(low, spread), at_center);
@@ -219,7 +228,8 @@ pub(crate) fn group<V: Vectors>(
         let above = bits(v, v.greater(lowest, v.all(test.most)), part);
         let mut keys = distance;
         if let Some(cone) = test.cone {
-            let nearer = v.sub(v.add(high, tilt(v, [x, y], half)), v.all(cone.nearness));
+            let nearer =
+                v.sub(v.add(high, tilt(v, [v.abs(x), v.abs(y)], half)), v.all(cone.nearness));
             keys = v.div(distance, v.mul(nearer, nearer));
             out |= bits(v, v.at_most(nearer, v.all(0.0)), part);
             out |= bits(v, v.greater(keys, v.all(cone.at_most)), part);

@@ -1,0 +1,202 @@
+//! The way down the pyramid for all receivers of a batch, and the texels that they ask.
+
+use core::ops::Range;
+
+use crate::descend::{Descent, Path, descend};
+use crate::kernels::Ops;
+use crate::leaf::{Candidate, Leaf, SiftTest};
+use crate::map::{COLUMNS, ROWS};
+use crate::naive::reach as span;
+use crate::precedence::preceded;
+use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup, Pyramid};
+use crate::reach::{GroupTest, Reach};
+use crate::receivers::{Seekers, WINDOW};
+use crate::search::passing;
+use crate::walk::Group;
+use crate::{IdTest, Map, Side};
+
+/// Texels that are asked at once.
+const ROOM: usize = 64;
+/// The farthest a batch looks, in texels: squared distances that differ then differ after rounding
+/// as well.
+const FARTHEST: f32 = 1024.0;
+/// Receivers in a box of more columns and rows than this have too little in common.
+const APART: f32 = 96.0;
+
+/// The way down for all receivers of a batch.
+struct Candidates<'a> {
+    map: Map<'a>,
+    ids: IdTest,
+    reach: &'a Reach,
+    seekers: &'a mut Seekers,
+    /// Also knows how far the receivers still have to look.
+    test: SiftTest,
+    /// Room for rounding where a leaf is compared with a receiver's plane.
+    room: f32,
+    /// Texels that wait to be asked, and by whom: bit i for receiver i.
+    texels: [Candidate; ROOM],
+    count: usize,
+    lanes: u64,
+}
+
+/// Finds the answers of all receivers. False if they are better searched for one by one.
+#[inline(always)]
+pub(crate) fn ask_all(
+    ops: &impl Ops,
+    map: Map<'_>,
+    pyramid: &Pyramid<'_>,
+    reach: &Reach,
+    side: Side,
+    ids: IdTest,
+    seekers: &mut Seekers,
+    path: &mut Path,
+) -> bool {
+    let size = (reach.u[1] - reach.u[0]) + (reach.v[1] - reach.v[0]);
+    let test = GroupTest::new(reach, &pyramid.layout, 0.0);
+    if size > APART || reach.radius > FARTHEST || !test.is_tame() {
+        return false;
+    }
+    let [columns, rows] = window(&map, reach);
+    debug_assert!(columns.len() < WINDOW as usize && rows.len() < WINDOW as usize);
+    seekers.origin = [columns.start, rows.start];
+    let mut candidates = Candidates {
+        map,
+        ids,
+        reach,
+        seekers,
+        test: SiftTest::new(reach, &test, side),
+        room: test.room,
+        texels: [Candidate::default(); ROOM],
+        count: 0,
+        lanes: u64::MAX,
+    };
+    descend(ops, pyramid, &mut candidates, test, path);
+    candidates.ask(ops);
+    true
+}
+
+/// The columns and rows in reach.
+#[inline(always)]
+fn window(map: &Map<'_>, reach: &Reach) -> [Range<u32>; 2] {
+    let around = |[from, to]: [f32; 2], size| {
+        span(from, reach.radius, size).start..span(to, reach.radius, size).end
+    };
+    [around(reach.u, map.width()), around(reach.v, map.height())]
+}
+
+impl Candidates<'_> {
+    /// The texels of a tile that pass the ID test, of those in `texels`.
+    #[inline(always)]
+    fn passing(&self, ops: &impl Ops, [x, y]: [u32; 2], mut texels: u128) -> u128 {
+        if self.ids != IdTest::Any {
+            for row in 0..ROWS as u32 {
+                let others = !passing(ops, &self.map, self.ids, x, y + row);
+                texels &= !(u128::from(others) << (row * COLUMNS as u32));
+            }
+        }
+        texels
+    }
+
+    /// Adds the texels of a tile that can be the answer to those that wait. `sure` count for all
+    /// receivers in reach of them.
+    #[inline(always)]
+    fn add(&mut self, ops: &impl Ops, [x, y]: [u32; 2], may: u128, sure: u128) {
+        let mut rest = may;
+        if sure != 0 {
+            rest &= !preceded(self.reach, x, y, sure);
+        }
+        let ([left, right], [top, bottom]) = (self.reach.u, self.reach.v);
+        while rest != 0 {
+            let bit = rest.trailing_zeros();
+            rest &= rest - 1;
+            let (column, row) = (x + bit % COLUMNS as u32, y + bit / COLUMNS as u32);
+            if self.count == ROOM {
+                self.ask(ops);
+            }
+            let texel = Candidate {
+                x: column as f32 + 0.5,
+                y: row as f32 + 0.5,
+                nearness: self.map.nearness(column, row),
+                order: self.seekers.order(column, row),
+            };
+            self.texels[self.count % ROOM] = texel;
+            self.count += 1;
+            if sure >> bit & 1 == 1 {
+                // No receiver has its answer farther away than that.
+                let dx = (texel.x - left).max(right - texel.x);
+                let dy = (texel.y - top).max(bottom - texel.y);
+                self.test.reach_squared = self.test.reach_squared.min(dx * dx + dy * dy);
+            }
+        }
+    }
+
+    /// Asks the texels that wait.
+    #[inline(always)]
+    fn ask(&mut self, ops: &impl Ops) {
+        let count = self.count.min(ROOM);
+        self.count = 0;
+        if count > 0 {
+            ops.ask(&self.texels[..count], self.seekers, self.lanes, self.test.lit);
+            self.test.reach_squared = self.test.reach_squared.min(self.seekers.farthest());
+        }
+    }
+}
+
+impl Descent for Candidates<'_> {
+    #[inline(always)]
+    fn side(&self) -> Side {
+        if self.test.lit { Side::Lit } else { Side::Blocker }
+    }
+
+    #[inline(always)]
+    fn ids(&self) -> IdTest {
+        self.ids
+    }
+
+    #[inline(always)]
+    fn window(&self) -> [Range<u32>; 2] {
+        window(&self.map, self.reach)
+    }
+
+    #[inline(always)]
+    fn narrow(&self, test: &mut GroupTest) {
+        test.reach_squared = self.test.reach_squared;
+    }
+
+    #[inline(always)]
+    fn bound(&self) -> f32 {
+        self.test.reach_squared
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, ops: &impl Ops, group: &Group, nodes: &NodeGroup, lane: u32) {
+        let [x, y] = group.node(lane);
+        let first = [x * LEAF_WIDTH, y * LEAF_HEIGHT];
+        let x = first[0].min(self.map.width() - COLUMNS as u32);
+        let y = first[1].min(self.map.height() - ROWS as u32);
+        self.test.place(self.reach, x, y);
+        let [may, sure] = self.map.with_tile(x, y, |rows| ops.sift(&self.test, rows));
+        if may == sure {
+            let sure = self.passing(ops, [x, y], sure);
+            self.add(ops, [x, y], sure, sure);
+            return;
+        }
+        // Some texels lie between the planes of the receivers: each compares with its own.
+        self.ask(ops);
+        let leaf = Leaf::new(first, [x, y], nodes, lane, self.room);
+        let (seekers, lit) = (&*self.seekers, self.test.lit);
+        let matter = self.map.with_tile(x, y, |rows| ops.matters(&leaf, rows, seekers, lit));
+        if matter.lanes == 0 {
+            return;
+        }
+        let mut rows = 0;
+        for row in 0..ROWS {
+            rows |= u128::from((matter.rows >> row & 1) * 0xffff) << (row * COLUMNS);
+        }
+        let may = self.passing(ops, [x, y], may & rows);
+        self.lanes = matter.lanes;
+        self.add(ops, [x, y], may, may & sure);
+        self.ask(ops);
+        self.lanes = u64::MAX;
+    }
+}

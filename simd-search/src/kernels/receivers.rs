@@ -1,0 +1,211 @@
+//! The kernels for batches of receivers, written once for all instruction sets that have vectors.
+
+use core::mem::size_of;
+
+use bytemuck::{AnyBitPattern, bytes_of, cast_slice, pod_read_unaligned};
+
+use super::vectors::{LANE, Vectors, bits, gap, load, parts, tilt, width, word};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::map::{COLUMNS, ROWS, Row};
+use crate::receivers::{BATCH, Seekers};
+
+/// [`super::Ops::sift`].
+#[inline(always)]
+pub(crate) fn sift<V: Vectors>(v: V, test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2] {
+    let [mut some, mut all, mut within] = [[0; ROWS]; 3];
+    for part in 0..parts::<V>() {
+        let x = v.add(v.all(test.first), load::<V, _>(&LANE, part));
+        let gap = gap(v, x, x, v.all(test.from), v.all(test.to));
+        let gap_squared = v.mul(gap, gap);
+        let dx = v.sub(x, v.all(test.u));
+        let rise_x = v.mul(v.all(test.slope), dx);
+        let margin_x = v.mul(v.all(test.spread), v.abs(dx));
+        for row in 0..ROWS {
+            let plane = v.add(v.all(test.nearness), v.add(rise_x, v.all(test.rise[row])));
+            let margin = v.add(margin_x, v.all(test.margin[row]));
+            let low = v.sub(v.add(plane, v.all(test.least)), margin);
+            let high = v.add(v.add(plane, v.all(test.most)), margin);
+            let texels = load::<V, _>(rows[row], part);
+            let distance = v.add(gap_squared, v.all(test.dy_squared[row]));
+            some[row] |= bits(v, v.greater(texels, low), part);
+            all[row] |= bits(v, v.greater(texels, high), part);
+            within[row] |= bits(v, v.at_most(distance, v.all(test.reach_squared)), part);
+        }
+    }
+    let [some, all, within] = [some, all, within].map(word);
+    let [may, sure] = if test.lit { [!all, !some] } else { [some, all] };
+    [may & within, sure & within]
+}
+
+/// As many receivers as a vector has lanes.
+struct Own<F> {
+    u: F,
+    v: F,
+    nearness: F,
+    slope: [F; 2],
+    offset: F,
+    distance: F,
+    order: F,
+}
+
+impl<F: AnyBitPattern> Own<F> {
+    /// The receivers from number `at` on.
+    #[inline(always)]
+    fn of(seekers: &Seekers, at: usize) -> Own<F> {
+        Own {
+            u: some(&seekers.u, at),
+            v: some(&seekers.v, at),
+            nearness: some(&seekers.nearness, at),
+            slope: [some(&seekers.slope_x, at), some(&seekers.slope_y, at)],
+            offset: some(&seekers.offset, at),
+            distance: some(&seekers.distance, at),
+            order: some(&seekers.order, at),
+        }
+    }
+}
+
+/// Numbers of a column from number `at` on.
+#[inline(always)]
+fn some<F: AnyBitPattern>(column: &[f32; BATCH], at: usize) -> F {
+    pod_read_unaligned(cast_slice(&column[at..][..size_of::<F>() / size_of::<f32>()]))
+}
+
+/// [`super::Ops::matters`].
+#[inline(always)]
+pub(crate) fn matters<V: Vectors>(
+    v: V,
+    leaf: &Leaf,
+    rows: [&Row; ROWS],
+    seekers: &Seekers,
+    lit: bool,
+) -> Matter {
+    let mut matter = Matter::default();
+    for at in (0..seekers.count).step_by(width::<V>()) {
+        let some = Own::of(seekers, at);
+        let mut lanes = by_bounds(v, leaf, &some, lit);
+        if lanes != 0 && leaf.holds_unknown(lit) {
+            matter.rows = u32::MAX;
+        } else if lanes != 0 {
+            let rows = by_texels(v, leaf, rows, &some, lit);
+            let own = lanes;
+            lanes = 0;
+            for row in 0..ROWS {
+                lanes |= own & rows[row];
+                matter.rows |= u32::from(own & rows[row] != 0) << row;
+            }
+        }
+        matter.lanes |= u64::from(lanes) << at;
+    }
+    matter
+}
+
+/// The receivers that a leaf may matter to, by its bounds.
+#[inline(always)]
+fn by_bounds<V: Vectors>(v: V, leaf: &Leaf, some: &Own<V::F>, lit: bool) -> u32 {
+    let ([left, right], [top, bottom]) = (leaf.u, leaf.v);
+    let dx = gap(v, v.all(left), v.all(right), some.u, some.u);
+    let dy = gap(v, v.all(top), v.all(bottom), some.v, some.v);
+    let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
+    let near = bits(v, v.at_most(distance, some.distance), 0);
+
+    let from_u = v.sub(v.all((left + right) * 0.5), some.u);
+    let from_v = v.sub(v.all((top + bottom) * 0.5), some.v);
+    let rise = v.add(v.mul(some.slope[0], from_u), v.mul(some.slope[1], from_v));
+    let plane = v.add(v.add(some.nearness, rise), some.offset);
+    let steeper_x = v.abs(v.sub(v.all(leaf.slope[0]), some.slope[0]));
+    let steeper_y = v.abs(v.sub(v.all(leaf.slope[1]), some.slope[1]));
+    let half = [v.all((right - left) * 0.5), v.all((bottom - top) * 0.5)];
+    let spread = tilt(v, [steeper_x, steeper_y], half);
+    let none = if lit {
+        v.greater(v.sub(v.all(leaf.low), spread), plane)
+    } else {
+        v.at_most(v.add(v.all(leaf.high), spread), plane)
+    };
+    near & !bits(v, none, 0)
+}
+
+/// For each row of a tile, the receivers that a texel of it may count for, however far it is.
+///
+/// A plane is a number for each row plus one for each column: two operations for each texel.
+#[inline(always)]
+fn by_texels<V: Vectors>(
+    v: V,
+    leaf: &Leaf,
+    rows: [&Row; ROWS],
+    some: &Own<V::F>,
+    lit: bool,
+) -> [u32; ROWS] {
+    let outermost = if lit { f32::NEG_INFINITY } else { f32::INFINITY };
+    let mut above = [v.all(outermost); ROWS];
+    for column in 0..COLUMNS {
+        let rise = v.mul(some.slope[0], v.all(LANE[column]));
+        for row in 0..ROWS {
+            // From the texel up to the plane, but for what the plane has in this row.
+            let up = v.sub(rise, v.all(rows[row][column]));
+            above[row] = if lit { v.larger(up, above[row]) } else { v.smaller(up, above[row]) };
+        }
+    }
+    let from_u = v.sub(v.all(leaf.first[0]), some.u);
+    let from_v = v.sub(v.all(leaf.first[1]), some.v);
+    let rise = v.add(v.mul(some.slope[0], from_u), v.mul(some.slope[1], from_v));
+    let first = v.add(v.add(some.nearness, some.offset), rise);
+    let mut found = [0; ROWS];
+    for row in 0..ROWS {
+        let plane = v.add(first, v.mul(some.slope[1], v.all(LANE[row])));
+        let up = v.add(above[row], plane);
+        let none =
+            if lit { v.greater(v.all(-leaf.room), up) } else { v.greater(up, v.all(leaf.room)) };
+        found[row] = !bits(v, none, 0);
+    }
+    found
+}
+
+/// [`super::Ops::ask`].
+#[inline(always)]
+pub(crate) fn ask<V: Vectors>(
+    v: V,
+    texels: &[Candidate],
+    seekers: &mut Seekers,
+    lanes: u64,
+    lit: bool,
+) {
+    let width = width::<V>();
+    for at in (0..seekers.count).step_by(width) {
+        if lanes >> at & ((1 << width) - 1) == 0 {
+            continue;
+        }
+        let some = Own::of(seekers, at);
+        let [distance, order] = if lit {
+            ask_some::<V, true>(v, texels, some)
+        } else {
+            ask_some::<V, false>(v, texels, some)
+        };
+        seekers.distance[at..][..width].copy_from_slice(cast_slice(bytes_of(&distance)));
+        seekers.order[at..][..width].copy_from_slice(cast_slice(bytes_of(&order)));
+    }
+}
+
+/// The distance and the order of the best texels.
+#[inline(always)]
+fn ask_some<V: Vectors, const LIT: bool>(v: V, texels: &[Candidate], some: Own<V::F>) -> [V::F; 2] {
+    let Own { u, v: w, nearness, slope, offset, distance: mut best, order: mut best_order } = some;
+    for texel in texels {
+        let (dx, dy) = (v.sub(v.all(texel.x), u), v.sub(v.all(texel.y), w));
+        let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
+        if v.bits(v.at_most(distance, best)) == 0 {
+            continue;
+        }
+        let rise = v.add(v.mul(slope[0], dx), v.mul(slope[1], dy));
+        let plane = v.add(v.add(nearness, rise), offset);
+        let blocks = v.greater(v.all(texel.nearness), plane);
+        let never = v.all(f32::INFINITY);
+        let distance =
+            if LIT { v.choose(blocks, never, distance) } else { v.choose(blocks, distance, never) };
+        let order = v.all(texel.order);
+        let ties = v.both(v.at_most(distance, best), v.greater(best_order, order));
+        let precedes = v.either(v.greater(best, distance), ties);
+        best = v.smaller(distance, best);
+        best_order = v.choose(precedes, order, best_order);
+    }
+    [best, best_order]
+}
