@@ -30,11 +30,14 @@ impl Pyramid<'_> {
         hit[0]
     }
 
-    /// The answers to many queries, best to a block of neighbouring receivers in rows.
+    /// The answers to many queries.
     ///
-    /// Up to 64 receivers in sequence share one way down the pyramid, which is of use if they lie
-    /// close together and have the same ID test. Where they do not, each search takes the hit of
-    /// the one before (of the same side) as its hint, unless it brings its own.
+    /// Up to 64 receivers in sequence share one way down the pyramid if they lie within a hundred
+    /// texels of each other, look at most 1024 texels far, have the same ID test, no jitter and
+    /// [`Key::Distance`]. If they are too far apart, every 16 of them try again, and if those are, each
+    /// searches for itself, with the hit of the one before (of the same side) as its hint unless
+    /// it brings its own. Best are blocks of 8 x 8 pixels in Morton order, in which 16 in sequence
+    /// are neighbours as well. Takes 8 KiB of stack.
     ///
     /// # Panics
     ///
@@ -165,7 +168,7 @@ impl<'q> Batch<'q> {
                 seekers.push(query);
                 radius = if query.radius > radius { query.radius } else { radius };
                 same_ids &= query.ids == first.ids;
-                plain &= !(query.jitter > 0.0);
+                plain &= query.jitter <= 0.0 || query.jitter.is_nan();
                 by_distance &= matches!(query.key, Key::Distance);
             }
         }

@@ -183,7 +183,10 @@ impl Descent for Candidates<'_> {
         }
         // Some texels lie between the planes of the receivers: each compares with its own.
         self.ask(ops);
-        let leaf = Leaf::new(first, [x, y], nodes, lane, self.room);
+        let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.room);
+        for row in 0..ROWS {
+            leaf.rows |= u32::from((may >> (row * COLUMNS)) as u16 != 0) << row;
+        }
         let (seekers, lit) = (&*self.seekers, self.test.lit);
         let matter = self.map.with_tile(x, y, |rows| ops.matters(&leaf, rows, seekers, lit));
         if matter.lanes == 0 {

@@ -30,6 +30,8 @@ pub(crate) struct Leaf {
     /// Centre of the first texel of the tile that is asked for the leaf: at the end of the map
     /// one that starts before it.
     pub first: [f32; 2],
+    /// The tile's rows that may matter: bit i for row i.
+    pub rows: u32,
 }
 
 impl Leaf {
@@ -45,6 +47,7 @@ impl Leaf {
             high: nodes.high[lane] + room,
             room,
             first: [tile[0] as f32 + 0.5, tile[1] as f32 + 0.5],
+            rows: 0,
         }
     }
 

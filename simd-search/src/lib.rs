@@ -47,12 +47,29 @@
 //! blocks" or "all of this blocks", and a box that is farther away than the best answer so far
 //! is passed over as well. Sixteen sibling boxes are compared at once, one per lane.
 //!
-//! Neighbours find nearly the same texel, and two more things follow:
+//! # Neighbours together
 //!
-//! * The neighbour's hit is asked first, and bounds the search ([`Query::hint`]).
-//! * [`Pyramid::nearest_each`] goes down the pyramid once for a block of receivers, with a plane
-//!   that is below all of theirs, and lists the tiles that can matter to any of them.
-//!   [`Pyramid::classify`] tells only whether there are such tiles.
+//! Neighbours find nearly the same texel. One search after the other can use that: the neighbour's
+//! hit is asked first, and bounds the search ([`Query::hint`]). [`Pyramid::nearest_each`] does more.
+//! It goes down the pyramid once for 64 receivers, from the nearest box to the farthest, with a
+//! plane below all of theirs and one above, and sorts the texels it meets:
+//!
+//! ```text
+//!   . . . . . . . . a a b b      #  receivers
+//!   . . # # # . . a a b b b      .  below all of their planes: block nobody
+//!   . . # # # . . a b b b b      a  above all of their planes, and between them and every b
+//!   . . # # # . . . a b b b      b  above all of their planes, but an `a` is nearer to each of
+//!   . . . . . . . . . a b b         them, in the same row or column
+//! ```
+//!
+//! Only the texels `a`, and those between the two planes, can be the answer for anyone, and none
+//! farther away than the farthest corner of the receivers' box from the best `a`. The few that are
+//! left (some 30 where a flat floor is shadowed) are asked by 16 receivers at once, one per lane. On
+//! curved surfaces many texels lie between the two planes: there each receiver first compares its
+//! own plane with the box's bounds, then with its rows, again 16 receivers at once, and
+//! only rows that matter to somebody are asked.
+//!
+//! [`Pyramid::classify`] tells only whether there are any boxes that can matter.
 //!
 //! None of this changes an answer. Distances are computed for a box as for its texels, with
 //! operations that are monotone in spite of rounding; bounds on nearness have room for all the

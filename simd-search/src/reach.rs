@@ -263,7 +263,8 @@ impl Boxes {
     /// them are rounded as a texel's own are: no texel of a node is closer than its box.
     #[inline(always)]
     pub fn of_group(level: usize, x: u32, y: u32) -> Boxes {
-        let [width, height] = Layout::node_size(level).map(|size| size as f32);
+        let [width, height] = Layout::node_size(level);
+        let (width, height) = (width as f32, height as f32);
         let (left, top) = ((x * FAN) as f32 * width + 0.5, (y * FAN) as f32 * height + 0.5);
         let mut boxes = Boxes {
             left: [left; LANES],

@@ -118,7 +118,9 @@ pub(crate) fn level_of(layout: &Layout, columns: &Range<u32>, rows: &Range<u32>)
 /// Texels per group of a level, along each axis.
 #[inline(always)]
 pub(crate) fn group_size(level: usize) -> [u32; 2] {
-    Layout::node_size(level).map(|size| (size * u64::from(FAN)).min(1 << 31) as u32)
+    let [width, height] = Layout::node_size(level);
+    let group = |size: u64| (size * u64::from(FAN)).min(1 << 31) as u32;
+    [group(width), group(height)]
 }
 
 /// The nodes of a group in which no texel passes an ID test.

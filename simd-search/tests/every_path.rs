@@ -58,6 +58,59 @@ fn blocks_of_neighbours() {
     assert!(found > 1000, "{found} hits");
 }
 
+/// Blocks of pixels on floors and on curved surfaces, in large maps and to their borders: most texels
+/// are passed over for all receivers at once.
+#[test]
+fn blocks_that_look_far() {
+    say_levels("blocks that look far");
+    let mut found = 0;
+    for seed in 0..24 {
+        let mut random = Random(seed);
+        let (width, height) = (150 + random.below(150), 90 + random.below(90));
+        // A tilted floor, or a dome, with a bar, a disc and a few thorns above it.
+        let (tilt, bend) = (random.unit() * 0.001, random.pick(&[0.0, 0.0, 2e-6, 2e-5]));
+        let (bar, disc) = (random.below(width), [random.below(width), random.below(height)]);
+        let ground = |x: f32, y: f32| 0.2 + tilt * (x - 0.5 * y) - bend * (x * x + y * y);
+        let mut nearness = Vec::new();
+        for y in 0..height {
+            for x in 0..width {
+                let ground = ground(x as f32 + 0.5, y as f32 + 0.5);
+                let [dx, dy] = [x.abs_diff(disc[0]), y.abs_diff(disc[1])];
+                let is_raised = (bar..bar + 9).contains(&x)
+                    || dx * dx + dy * dy < 300
+                    || random.below(5000) == 0;
+                let odd = random.pick(&[f32::NAN, f32::INFINITY]);
+                let raised = if is_raised { ground + 0.05 } else { ground };
+                nearness.push(if random.below(9000) == 0 { odd } else { raised });
+            }
+        }
+        let ids = (0..width * height).map(|i| i % width / 40).collect();
+        let texels = Texels { width, height, nearness, ids };
+        let spacing = random.pick(&[0.4, 1.3, 3.1, 20.0]);
+        let [left, top] = [width, height].map(|size| random.unit() * size as f32 - 4.0);
+        let radius = random.pick(&[9.0, 40.0, 150.0]);
+        let ids = random.pick(&[IdTest::Any, IdTest::Any, IdTest::Differs(1), IdTest::Equals(2)]);
+        let queries: Vec<_> = (0..64_u32)
+            .map(|i| {
+                let (x, y) = (left + (i % 8) as f32 * spacing, top + (i / 8) as f32 * spacing);
+                let mut point = LightPoint::flat(x, y, ground(x, y));
+                point.slope.x = tilt - 2.0 * bend * x;
+                point.slope.y = -0.5 * tilt - 2.0 * bend * y;
+                let (column, row) = ((x.max(0.0) as u32), (y.max(0.0) as u32));
+                let index = (row.min(height - 1) * width + column.min(width - 1)) as usize;
+                let mut query = Query::new(point, 1e-4, radius);
+                if texels.nearness[index] > point.nearness + 1e-3 {
+                    query.side = Side::Lit;
+                }
+                Query { ids, ..query }
+            })
+            .collect();
+        found += check_all_paths(&texels, &queries, false);
+    }
+    println!("{found} hits");
+    assert!(found > 500, "{found} hits");
+}
+
 /// Windows of 1 to 67 texels, around every texel's corner and centre, over the border as well.
 #[test]
 fn all_windows_around_all_centres() {

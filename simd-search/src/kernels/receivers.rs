@@ -101,19 +101,19 @@ pub(crate) fn matters<V: Vectors>(
 
 /// The receivers that a leaf may matter to, by its bounds.
 #[inline(always)]
-fn by_bounds<V: Vectors>(v: V, leaf: &Leaf, some: &Own<V::F>, lit: bool) -> u32 {
+fn by_bounds<V: Vectors>(v: V, leaf: &Leaf, own: &Own<V::F>, lit: bool) -> u32 {
     let ([left, right], [top, bottom]) = (leaf.u, leaf.v);
-    let dx = gap(v, v.all(left), v.all(right), some.u, some.u);
-    let dy = gap(v, v.all(top), v.all(bottom), some.v, some.v);
+    let dx = gap(v, v.all(left), v.all(right), own.u, own.u);
+    let dy = gap(v, v.all(top), v.all(bottom), own.v, own.v);
     let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
-    let near = bits(v, v.at_most(distance, some.distance), 0);
+    let near = bits(v, v.at_most(distance, own.distance), 0);
 
-    let from_u = v.sub(v.all((left + right) * 0.5), some.u);
-    let from_v = v.sub(v.all((top + bottom) * 0.5), some.v);
-    let rise = v.add(v.mul(some.slope[0], from_u), v.mul(some.slope[1], from_v));
-    let plane = v.add(v.add(some.nearness, rise), some.offset);
-    let steeper_x = v.abs(v.sub(v.all(leaf.slope[0]), some.slope[0]));
-    let steeper_y = v.abs(v.sub(v.all(leaf.slope[1]), some.slope[1]));
+    let from_u = v.sub(v.all((left + right) * 0.5), own.u);
+    let from_v = v.sub(v.all((top + bottom) * 0.5), own.v);
+    let rise = v.add(v.mul(own.slope[0], from_u), v.mul(own.slope[1], from_v));
+    let plane = v.add(v.add(own.nearness, rise), own.offset);
+    let steeper_x = v.abs(v.sub(v.all(leaf.slope[0]), own.slope[0]));
+    let steeper_y = v.abs(v.sub(v.all(leaf.slope[1]), own.slope[1]));
     let half = [v.all((right - left) * 0.5), v.all((bottom - top) * 0.5)];
     let spread = tilt(v, [steeper_x, steeper_y], half);
     let none = if lit {
@@ -132,29 +132,38 @@ fn by_texels<V: Vectors>(
     v: V,
     leaf: &Leaf,
     rows: [&Row; ROWS],
-    some: &Own<V::F>,
+    own: &Own<V::F>,
     lit: bool,
 ) -> [u32; ROWS] {
-    let outermost = if lit { f32::NEG_INFINITY } else { f32::INFINITY };
-    let mut above = [v.all(outermost); ROWS];
+    let from_u = v.sub(v.all(leaf.first[0]), own.u);
+    let from_v = v.sub(v.all(leaf.first[1]), own.v);
+    let rise = v.add(v.mul(own.slope[0], from_u), v.mul(own.slope[1], from_v));
+    let first = v.add(v.add(own.nearness, own.offset), rise);
+    let mut rises = [first; COLUMNS];
     for column in 0..COLUMNS {
-        let rise = v.mul(some.slope[0], v.all(LANE[column]));
-        for row in 0..ROWS {
-            // From the texel up to the plane, but for what the plane has in this row.
-            let up = v.sub(rise, v.all(rows[row][column]));
-            above[row] = if lit { v.larger(up, above[row]) } else { v.smaller(up, above[row]) };
-        }
+        rises[column] = v.mul(own.slope[0], v.all(LANE[column]));
     }
-    let from_u = v.sub(v.all(leaf.first[0]), some.u);
-    let from_v = v.sub(v.all(leaf.first[1]), some.v);
-    let rise = v.add(v.mul(some.slope[0], from_u), v.mul(some.slope[1], from_v));
-    let first = v.add(v.add(some.nearness, some.offset), rise);
     let mut found = [0; ROWS];
     for row in 0..ROWS {
-        let plane = v.add(first, v.mul(some.slope[1], v.all(LANE[row])));
-        let up = v.add(above[row], plane);
-        let none =
-            if lit { v.greater(v.all(-leaf.room), up) } else { v.greater(up, v.all(leaf.room)) };
+        if leaf.rows >> row & 1 == 0 {
+            continue;
+        }
+        // From the texels up to the plane, but for what the plane has in this row. Four at once,
+        // for each minimum waits for the one before.
+        let mut up = [v.all(if lit { f32::NEG_INFINITY } else { f32::INFINITY }); 4];
+        for column in 0..COLUMNS {
+            let own = v.sub(rises[column], v.all(rows[row][column]));
+            let up = &mut up[column % 4];
+            *up = if lit { v.larger(own, *up) } else { v.smaller(own, *up) };
+        }
+        let plane = v.add(first, v.mul(own.slope[1], v.all(LANE[row])));
+        let none = if lit {
+            let most = v.larger(v.larger(up[0], up[1]), v.larger(up[2], up[3]));
+            v.greater(v.all(-leaf.room), v.add(most, plane))
+        } else {
+            let least = v.smaller(v.smaller(up[0], up[1]), v.smaller(up[2], up[3]));
+            v.greater(v.add(least, plane), v.all(leaf.room))
+        };
         found[row] = !bits(v, none, 0);
     }
     found

@@ -127,7 +127,10 @@ impl Lit {
         let mut blocks = Vec::new();
         for top in (0..CAMERA).step_by(BLOCK as usize) {
             for left in (0..CAMERA).step_by(BLOCK as usize) {
-                let pixels = (0..BLOCK * BLOCK).map(|i| (left + i % BLOCK, top + i / BLOCK));
+                // In Morton order: 16 in sequence are a block as well.
+                let even_bits = |i: u32| i & 1 | i >> 1 & 2 | i >> 2 & 4;
+                let pixels =
+                    (0..BLOCK * BLOCK).map(|i| (left + even_bits(i), top + even_bits(i >> 1)));
                 let block: Block = pixels.filter_map(|(x, y)| receiver(x, y)).collect();
                 if !block.is_empty() {
                     blocks.push(block);
