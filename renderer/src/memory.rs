@@ -1,6 +1,7 @@
 //! How much memory a frame takes, told before any is taken.
 
-use linear_light::AdaptiveOptions;
+use linear_light::{AdaptiveOptions, RectifiedLight, SampleViews};
+use shadowmap_core::View;
 
 use crate::lighting::{LightJob, Plan};
 use crate::method::Method;
@@ -16,8 +17,6 @@ pub struct FrameSize<'a> {
     pub is_float: bool,
     /// Triangles of the scene.
     pub triangles: usize,
-    /// Side of the light maps.
-    pub map_size: u32,
     /// The lights.
     pub lights: &'a [LightJob],
 }
@@ -42,35 +41,37 @@ impl FrameSize<'_> {
     }
 
     fn map_bytes(&self, light: &LightJob) -> u64 {
-        let texels = u64::from(self.map_size) * u64::from(self.map_size);
         // Nearness and object ID, and what is built over them.
         let per_texel = if light.method == Method::Skins { 16 } else { 9 };
         // Vertices and bins of each view, or the nodes of a tree of boxes.
-        let per_triangle = 64;
-        let triangles = (self.triangles as u64).saturating_mul(per_triangle);
-        let maps = maps_at_once(light);
-        let maps = maps.saturating_mul(texels.saturating_mul(per_texel).saturating_add(triangles));
-        maps.max(triangles)
+        let triangles = (self.triangles as u64).saturating_mul(64);
+        let bytes = |view: &View| {
+            let texels = u64::from(view.width()) * u64::from(view.height());
+            texels.saturating_mul(per_texel).saturating_add(triangles)
+        };
+        let all = |views: &[View]| views.iter().map(bytes).fold(0, u64::saturating_add);
+        // All maps of a frustum are of one size.
+        let of_frustum = |frustum: &SampleViews| match light.adaptive {
+            true => {
+                let most = AdaptiveOptions::default().most_samples.max(frustum.views().len());
+                bytes(&frustum.views()[0]).saturating_mul(most as u64)
+            }
+            false => all(frustum.views()),
+        };
+        // As many as are held at the same time.
+        let maps = match &light.plan {
+            Plan::Middle(views) => Some(all(views)),
+            Plan::Points(points) => points.iter().map(|views| all(views)).max(),
+            Plan::Lines(lines) => {
+                let of_line = |line: &RectifiedLight| {
+                    line.frusta().iter().map(of_frustum).fold(0, u64::saturating_add)
+                };
+                lines.iter().map(|(_, line)| of_line(line)).max()
+            }
+            Plan::Rays => None,
+        };
+        maps.unwrap_or(0).max(triangles)
     }
-}
-
-/// How many maps are held at the same time.
-fn maps_at_once(light: &LightJob) -> u64 {
-    let of_frustum = |maps: usize| {
-        if light.adaptive { maps.max(AdaptiveOptions::default().most_samples) } else { maps }
-    };
-    let most = match &light.plan {
-        Plan::Middle(views) => Some(views.len()),
-        Plan::Points(points) => points.iter().map(Vec::len).max(),
-        Plan::Lines(lines) => lines
-            .iter()
-            .map(|(_, line)| {
-                line.frusta().iter().map(|frustum| of_frustum(frustum.views().len())).sum()
-            })
-            .max(),
-        Plan::Rays => None,
-    };
-    most.unwrap_or(0) as u64
 }
 
 /// What drawing a light takes per sample of the picture beside its visibility.

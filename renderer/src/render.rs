@@ -165,7 +165,6 @@ fn check_memory(settings: &Settings, scene: &Scene, lights: &[LightJob]) -> Resu
         aa,
         is_float: settings.output.1.is_float(),
         triangles: scene.mesh.triangles.len(),
-        map_size,
         lights,
     };
     let (needed, limit) = (frame.bytes(), settings.limits.max_memory);

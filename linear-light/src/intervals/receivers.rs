@@ -27,6 +27,8 @@ pub(super) struct Receivers {
     pub column: [Lanes; BAND],
     pub row: [Lanes; BAND],
     pub nearness: [Lanes; BAND],
+    /// Column and nearness before receivers were moved away from the light's line.
+    unmoved: [[Lanes; BAND]; 2],
     /// The pixels that lie in front of the light, between the first and the last row.
     pub inside: Pixels,
     /// Those of them that the map from the middle of the light does not show.
@@ -38,6 +40,7 @@ impl Receivers {
         column: [[0.0; LANES]; BAND],
         row: [[0.0; LANES]; BAND],
         nearness: [[0.0; LANES]; BAND],
+        unmoved: [[[0.0; LANES]; BAND]; 2],
         inside: 0,
         beside: 0,
     };
@@ -61,6 +64,7 @@ impl Receivers {
             let mut u = times(warp_row(&frustum.warp[0], at, nearness), &one);
             let mut v = times(warp_row(&frustum.warp[1], at, nearness), &one);
             let mut w = times(warp_row(&frustum.warp[2], at, nearness), &one);
+            (self.unmoved[0][row], self.unmoved[1][row]) = (u, w);
             if let Some(beyond) = &frustum.beyond {
                 away_from_line(ops, beyond, frustum.disparity, &mut u, &mut w);
                 // So close to the line, rounding carries receivers over the frustum's sides.
@@ -102,11 +106,11 @@ impl Receivers {
         }
     }
 
-    /// Column, row and nearness of one pixel.
+    /// Column, row and nearness of one pixel, on its plane.
     #[inline(always)]
     pub fn at(&self, pixel: usize) -> [f32; 3] {
         let (y, x) = (pixel / LANES, pixel % LANES);
-        [self.column[y][x], self.row[y][x], self.nearness[y][x]]
+        [self.unmoved[0][y][x], self.row[y][x], self.unmoved[1][y][x]]
     }
 }
 
