@@ -60,8 +60,8 @@ pub(super) fn row_of<'a>(map: &DepthMap<'a>, y: usize) -> &'a [f32] {
     &map.nearness()[y * width..(y + 1) * width]
 }
 
-/// Whether anything is in front of the plane in columns `16 * number` to `16 * number + 15` of the
-/// given rows.
+/// Whether anything in columns `16 * number` to `16 * number + 15` of the given rows is in front of
+/// the plane and close enough to the receivers to hide some of the light.
 #[inline(always)]
 pub(super) fn any_in_front(
     ops: impl Ops,
@@ -72,13 +72,20 @@ pub(super) fn any_in_front(
 ) -> bool {
     let start = number as usize * LANES;
     let [a, b, c, d] = search.plane;
-    let along = lanes(|i| a * (start as f32 + (INDEX[i] + 0.5)) + d);
+    let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
+    let along = lanes(|i| a * column[i] + d);
+    // One texel more than a texel reaches: two that are linked hide what lies between them.
+    let [left, right] = [search.columns[0] - 1.0, search.columns[1] + 1.0];
     rows.any(|y| {
         let across = b * (y as f32 + 0.5);
         let w = texels(row_of(map, y), start);
         let above = lanes(|i| (along[i] + across) + c * w[i]);
-        let front = ops.greater(&above, &[search.bias; LANES]);
-        front & ops.greater(&w, &[search.nearness; LANES]) != 0
+        let nearer = lanes(|i| w[i] - search.nearness);
+        let front = ops.greater(&above, &[search.bias; LANES])
+            & ops.greater(&nearer, &[0.0; LANES])
+            & ops.greater(&lanes(|i| column[i] + search.reach[0] * nearer[i]), &[left; LANES])
+            & ops.greater(&[right; LANES], &lanes(|i| column[i] - search.reach[1] * nearer[i]));
+        front != 0
     })
 }
 
