@@ -10,7 +10,7 @@ use shadowmap_core::Mesh;
 use crate::bins::{Bins, Grid, Large, Masked, Small};
 use crate::clip::{Clipped, INVALID, SetUp};
 use crate::coverage::Triangle;
-use crate::lanes::{Lanes, Planes, TINY, inside};
+use crate::lanes::{self, Lanes, Planes, inside};
 use crate::line::clamp;
 use crate::mask::Weights;
 use crate::plain::vertices;
@@ -131,7 +131,7 @@ fn push_tiny<S: Simd>(
     let px = s.add_d(s.d_from_f(s.f_from_i(lanes.x[0])), half);
     let mut py = s.add_d(s.d_from_f(s.f_from_i(lanes.y[0])), half);
     let (mut y, mut row_edges) = (lanes.y[0], lanes.edges);
-    for down in 0..TINY {
+    for down in 0..lanes::tiny::<S>() {
         let mut rest = tiny & s.bits(s.greater_i(rows, s.splat_i(down as i32 - 1)));
         if rest == 0 {
             return;
@@ -152,7 +152,7 @@ fn push_tiny<S: Simd>(
             let texel = s.mul_i(s.sub_i(y, s.splat_i(start)), s.splat_i(grid.width as i32));
             let (mut texel, mut px) = (s.add_i(texel, lanes.x[0]), px);
             let mut edges = row_edges;
-            for right in 0..TINY {
+            for right in 0..lanes::tiny::<S>() {
                 let wide = here & s.bits(s.greater_i(columns, s.splat_i(right as i32 - 1)));
                 if wide == 0 {
                     break;

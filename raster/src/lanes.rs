@@ -11,8 +11,11 @@ const fn small<S: Simd>() -> i32 {
     4 * S::LANES as i32 * SUBTEXELS
 }
 
-/// The most columns and rows of a triangle that becomes fragments while it is binned.
-pub(crate) const TINY: usize = 4;
+/// The most columns and rows of a triangle that becomes fragments while it is binned: the fewer
+/// lanes share the work of one texel, the sooner it is left to the next stage.
+pub(crate) const fn tiny<S: Simd>() -> usize {
+    if S::LANES > 4 { 4 } else { 2 }
+}
 
 /// A vector of triangles, snapped, and what they cover.
 pub(crate) struct Lanes<S: Simd> {
@@ -25,7 +28,7 @@ pub(crate) struct Lanes<S: Simd> {
     pub(crate) delta: [[S::I; 2]; 3],
     /// Less than [`small`], with an area and something in the bounds.
     pub(crate) drawn: u32,
-    /// Of these, those with bounds of at most [`TINY`] columns and rows.
+    /// Of these, those with bounds of at most [`tiny`] columns and rows.
     pub(crate) tiny: u32,
     /// Those with larger bounds.
     pub(crate) small: u32,
@@ -71,7 +74,7 @@ impl<S: Simd> Lanes<S> {
             let edge = s.sub_i(s.mul_i(dy, us[k]), s.mul_i(dx, vs[k]));
             edges[k] = s.sub_i(edge, s.select_i(owned, zero, one));
         }
-        let tiny = s.splat_i(TINY as i32);
+        let tiny = s.splat_i(tiny::<S>() as i32);
         let is_tiny =
             s.and_m(s.greater_i(tiny, s.sub_i(x[1], x[0])), s.greater_i(tiny, s.sub_i(y[1], y[0])));
         let is_tiny = s.bits(is_tiny);

@@ -1,4 +1,4 @@
-//! Small triangles wider than half a vector.
+//! Small triangles that most rows of a vector's width would miss.
 
 use crate::band::Rows;
 use crate::bins::{MAX_ROWS, Small};
