@@ -5,9 +5,6 @@ use crate::bins::Small;
 use crate::line::clamp;
 use crate::simd::{MAX_LANES, Simd};
 
-/// From more columns than this on it pays to find the span of each row first.
-const WIDE: usize = 16;
-
 impl Rows<'_> {
     #[inline(always)]
     pub(crate) fn small<S: Simd>(&mut self, s: S, small: &Small) {
@@ -15,7 +12,8 @@ impl Rows<'_> {
         // A vector of eight or sixteen lanes holds several rows of a narrow triangle.
         let done = (S::LANES == 16 && columns <= 4 && self.block::<S, 4>(s, small, small.x))
             || (S::LANES >= 8 && columns <= S::LANES / 2 && self.block::<S, 2>(s, small, small.x));
-        if !done && columns > WIDE {
+        if !done && S::LANES >= 8 && columns > S::LANES {
+            // Most rows miss one vector or another: it pays to find the span of each row first.
             self.strips(s, small);
         } else if !done {
             for strip in (0..columns).step_by(S::LANES) {

@@ -1,4 +1,4 @@
-//! Small triangles that most rows of a vector's width would miss.
+//! Small triangles that are several vectors wide.
 
 use crate::band::Rows;
 use crate::bins::{MAX_ROWS, Small};
@@ -96,13 +96,10 @@ impl Rows<'_> {
         let (low, high) = (s.splat_f(plane.low), s.splat_f(plane.high));
         let mine = s.splat_i(small.payload as i32);
         let top = (first - band.start) as usize * width;
-        // Windows that are aligned in memory touch one line of the cache, not two; but no more
-        // windows than needed.
-        let mut first_x = usize::from(small.x);
-        if small.last_x - small.x >= S::LANES as u16 {
-            let texels = self.nearness.as_ptr() as usize / size_of::<f32>() + first_x;
-            first_x = first_x.saturating_sub(texels % S::LANES);
-        }
+        // Windows that are aligned in memory touch one line of the cache, not two.
+        let first_x = usize::from(small.x);
+        let misaligned = (self.nearness.as_ptr() as usize / size_of::<f32>() + first_x) % S::LANES;
+        let first_x = first_x.saturating_sub(misaligned);
         for x in (first_x..=usize::from(small.last_x)).step_by(S::LANES) {
             let x = x.min(width - S::LANES);
             let columns = s.add_i(s.lanes(), s.splat_i(x as i32));
