@@ -111,6 +111,24 @@ fn blocks_that_look_far() {
     assert!(found > 500, "{found} hits");
 }
 
+/// NaN is lit, also where receivers do not agree on the texels beside it.
+#[test]
+fn nan_among_blockers_is_lit_for_a_block() {
+    let (width, height) = (64, 32);
+    let mut texels = Texels { width, height, nearness: vec![0.5; 64 * 32], ids: vec![] };
+    texels.nearness[10 * 64 + 20] = f32::NAN;
+    // Lit for some of them only.
+    texels.nearness[12 * 64 + 24] = 0.35;
+    let queries: Vec<_> = (0..64)
+        .map(|i| {
+            let (u, v) = (10.0 + (i % 8) as f32 * 0.5, 8.0 + (i / 8) as f32 * 0.5);
+            let point = LightPoint::flat(u, v, 0.3 + i as f32 * 0.0015);
+            Query { side: Side::Lit, ..Query::new(point, 0.0, 30.0) }
+        })
+        .collect();
+    assert_eq!(check_all_paths(&texels, &queries, false), 64);
+}
+
 /// Windows of 1 to 67 texels, around every texel's corner and centre, over the border as well.
 #[test]
 fn all_windows_around_all_centres() {
