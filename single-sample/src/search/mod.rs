@@ -199,12 +199,17 @@ fn run<T: Texel, V: Visibility>(
         tolerance: parameters.tolerance,
     };
     let tally = Tally::default();
-    for_each_band(threads, BandSlice { data: out, len: image * TILE }, &|index, band| {
+    // Rows of tiles in a band. A band clears its memory at first: on one thread, do so once.
+    let rows = if threads == Threads::One { out.len().div_ceil(image * TILE) } else { 1 };
+    let bands = BandSlice { data: out, len: rows * (image * TILE) };
+    for_each_band(threads, bands, &|index, band| {
         let mut counters = Counters::default();
         let mut scratch = Scratch::new();
-        let top = index as u32 * TILE as u32;
-        for left in (0..image as u32).step_by(TILE) {
-            tile(&scene, &mut scratch, [left, top], band.data, &mut counters);
+        for (row, out) in band.data.chunks_mut(image * TILE).enumerate() {
+            let top = ((index * rows + row) * TILE) as u32;
+            for left in (0..image as u32).step_by(TILE) {
+                tile(&scene, &mut scratch, [left, top], out, &mut counters);
+            }
         }
         tally.add(&counters);
     });
