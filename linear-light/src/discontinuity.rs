@@ -108,54 +108,55 @@ pub(crate) fn laplacian(above: [f32; 3], middle: [f32; 3], below: [f32; 3]) -> f
 /// How many pairs are looked at in one go.
 pub(crate) const BLOCK: usize = 64;
 
-/// Which of the pairs (x, x + 1) of a row, for `BLOCK` values of x from `first` on, are
-/// discontinuities: a byte each, 1 or 0, in words of eight. `None` if none is. `least` is the
-/// threshold in nearness.
+/// Which of the pairs (x, x + 1) of a row, for `BLOCK` values of x from `first` on, have a step of
+/// at least `least` in nearness: a byte each, 1 or 0, in words of eight. No other pair is a
+/// discontinuity, and most blocks have none.
 #[inline(always)]
-pub(crate) fn mark(
-    rows: &Rows<'_>,
-    filter: EdgeFilter,
-    side: Side,
-    least: f32,
-    first: usize,
-) -> Option<[u64; BLOCK / 8]> {
-    let pairs = (rows.middle.len() - 1).saturating_sub(first).min(BLOCK);
+pub(crate) fn steps(row: &[f32], side: Side, least: f32, first: usize) -> [u64; BLOCK / 8] {
+    let mut steps = [0_u64; BLOCK / 8];
+    let bytes: &mut [u8; BLOCK] = bytemuck::cast_mut(&mut steps);
     let sign = side.sign();
-    // Most blocks have no step that is high enough.
-    let steps = rows.middle[first..first + pairs].iter().zip(&rows.middle[first + 1..]);
-    let any = steps.fold(0, |any, (b, c)| any | u32::from((b - c) * sign >= least));
-    if any == 0 {
-        return None;
-    }
-    let mut marks = [0_u64; BLOCK / 8];
-    let bytes: &mut [u8; BLOCK] = bytemuck::cast_mut(&mut marks);
-    let n = around(rows.middle, first);
-    match filter {
-        EdgeFilter::DepthStep => {
-            for (i, mark) in bytes.iter_mut().enumerate() {
-                *mark = u8::from(depth_step([n[i], n[i + 1], n[i + 2], n[i + 3]], side, least));
+    let step = |b: f32, c: f32| u8::from((b - c) * sign >= least);
+    let (left, right) = (&row[first..], &row[first + 1..]);
+    match right.first_chunk::<BLOCK>() {
+        // A length that is known makes whole vectors of it.
+        Some(right) => {
+            for (i, byte) in bytes.iter_mut().enumerate() {
+                *byte = step(left[..BLOCK][i], right[i]);
             }
         }
-        EdgeFilter::Laplacian => {
-            let (above, below) = (around(rows.above, first), around(rows.below, first));
-            let three = |r: &[f32; BLOCK + 3], i: usize| [r[i], r[i + 1], r[i + 2]];
-            let response = |i: usize| laplacian(three(&above, i), three(&n, i), three(&below, i));
-            for (i, mark) in bytes.iter_mut().enumerate() {
-                let responses = [response(i), response(i + 1)];
-                *mark = u8::from(zero_crossing([n[i + 1], n[i + 2]], responses, side, least));
+        None => {
+            for ((byte, &b), &c) in bytes.iter_mut().zip(left).zip(right) {
+                *byte = step(b, c);
             }
         }
     }
-    // Pairs that reach past the row.
-    bytes[pairs..].fill(0);
-    Some(marks.map(u64::from_le))
+    steps.map(u64::from_le)
 }
 
-/// What `row` holds around the pairs (x, x + 1) for `BLOCK` values of x from `first` on: the texels
-/// from first - 1 to first + BLOCK + 1, those of the border beyond it.
+impl Discontinuity {
+    /// Whether the pair (x, x + 1) of the middle row is a discontinuity. `least` is the threshold
+    /// in nearness.
+    #[inline(always)]
+    pub(crate) fn is_between(&self, rows: &Rows<'_>, x: usize, side: Side, least: f32) -> bool {
+        let four = around(rows.middle, x);
+        match self.filter {
+            EdgeFilter::DepthStep => depth_step(four, side, least),
+            EdgeFilter::Laplacian => {
+                let (above, below) = (around(rows.above, x), around(rows.below, x));
+                let three = |[a, b, c, d]: [f32; 4]| [[a, b, c], [b, c, d]];
+                let [[a0, a1], [m0, m1], [b0, b1]] = [above, four, below].map(three);
+                let responses = [laplacian(a0, m0, b0), laplacian(a1, m1, b1)];
+                zero_crossing([four[1], four[2]], responses, side, least)
+            }
+        }
+    }
+}
+
+/// The texels x - 1 to x + 2 of a row, those of its ends beyond them.
 #[inline(always)]
-fn around(row: &[f32], first: usize) -> [f32; BLOCK + 3] {
-    let whole = first.checked_sub(1).and_then(|start| row.get(start..)?.first_chunk());
-    let at_border = |i: usize| row[(first + i).saturating_sub(1).min(row.len() - 1)];
-    whole.copied().unwrap_or_else(|| core::array::from_fn(at_border))
+fn around(row: &[f32], x: usize) -> [f32; 4] {
+    let whole = x.checked_sub(1).and_then(|start| row[start..].first_chunk());
+    let at_end = |i: usize| row[(x + i).saturating_sub(1).min(row.len() - 1)];
+    whole.copied().unwrap_or_else(|| core::array::from_fn(at_end))
 }

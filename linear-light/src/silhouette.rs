@@ -10,8 +10,9 @@ use crate::discontinuity::{Rows, Side};
 /// The texels x - 1 to x + 2 of a row, NaN beyond its ends.
 #[inline(always)]
 fn around(row: &[f32], x: usize) -> [f32; 4] {
-    let texel = |x: usize| row.get(x).copied().unwrap_or(f32::NAN);
-    [texel(x.wrapping_sub(1)), texel(x), texel(x + 1), texel(x + 2)]
+    let whole = x.checked_sub(1).and_then(|start| row.get(start..)?.first_chunk());
+    let texel = |i: usize| row.get((x + i).wrapping_sub(1)).copied().unwrap_or(f32::NAN);
+    whole.copied().unwrap_or_else(|| core::array::from_fn(texel))
 }
 
 /// Where a row crosses the nearness `level` the way a silhouette of that side does, relative to

@@ -8,7 +8,7 @@
 
 use shadowmap_core::Level;
 
-use crate::discontinuity::{BLOCK, Discontinuity, Rows, Side, mark};
+use crate::discontinuity::{BLOCK, Discontinuity, Rows, Side, steps};
 use crate::silhouette::{across_rows, in_both};
 use crate::skins::Transition;
 
@@ -76,18 +76,23 @@ impl SpanRow<'_> {
         for block in 0..blocks {
             // From the farthest skin to the nearest.
             let first = BLOCK * in_order(self.side, block, blocks);
-            let found = mark(&self.from, self.discontinuity.filter, self.side, least, first);
-            let Some(marks) = found else { continue };
-            for word in 0..marks.len() {
-                let word = in_order(self.side, word, marks.len());
-                let mut marks = marks[word];
-                while marks != 0 {
+            let words = steps(self.from.middle, self.side, least, first);
+            if words.iter().fold(0, |any, word| any | word) == 0 {
+                continue;
+            }
+            for word in 0..words.len() {
+                let word = in_order(self.side, word, words.len());
+                let mut steps = words[word];
+                while steps != 0 {
                     let byte = match self.side {
-                        Side::Left => marks.trailing_zeros() / 8,
-                        Side::Right => 7 - marks.leading_zeros() / 8,
+                        Side::Left => steps.trailing_zeros() / 8,
+                        Side::Right => 7 - steps.leading_zeros() / 8,
                     };
-                    marks &= !(1 << (byte * 8));
-                    self.draw_skin(first + word * 8 + byte as usize, out);
+                    steps &= !(1 << (byte * 8));
+                    let x = first + word * 8 + byte as usize;
+                    if self.discontinuity.is_between(&self.from, x, self.side, least) {
+                        self.draw_skin(x, out);
+                    }
                 }
             }
         }
