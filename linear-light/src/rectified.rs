@@ -8,29 +8,40 @@ use shadowmap_core::{Extents, ImagePoint, Plane, Spread, Window, fit_extents};
 use crate::views::{Frame, SampleViews, choose};
 
 /// The widest tangent along the light, 76 degrees to either side, that a frustum takes in which
-/// stands beside it. Receivers further along the light's line have a frustum of their own.
+/// stands beside it. Receivers further along the light's line have frusta of their own.
 pub const MAX_TANGENT: f64 = 4.0;
 
-/// From which tangent on a receiver belongs to the frustum beyond the light's end: a little less, so
-/// that what its rows and columns are blended with is in its map too.
-const BEYOND: f64 = 0.97 * MAX_TANGENT;
+/// The frusta beyond an end of the light.
+const BEYOND: [Beyond; 2] = [
+    Beyond { receivers: 2.0, after: MAX_TANGENT, last: 16.0, fewer_rows: 2 },
+    Beyond { receivers: 15.5, after: 16.0, last: LAST_TANGENT, fewer_rows: 8 },
+];
 
-/// The widest tangent of the frusta beyond the light's ends: all but half a degree around its line.
-const LAST_TANGENT: f64 = 128.0;
+struct Beyond {
+    /// From which tangent on receivers belong to it. What stands close to the light can hide a part
+    /// of it from a receiver and be seen further along the line, hence the difference to `after`.
+    receivers: f64,
+    /// Where the window before it ends.
+    after: f64,
+    /// Where its own ends.
+    last: f64,
+    /// How many times fewer rows its maps have: there the scene is seen so slantwise that rows lie close
+    /// to each other.
+    fewer_rows: u32,
+}
 
-/// How far those reach back over the light's end.
-const BACK: f64 = 0.25;
+/// The widest tangent of all: a quarter of a degree from the light's line.
+const LAST_TANGENT: f64 = 256.0;
+
+/// How far the frusta beyond an end reach back over it, for what stands close to the light.
+const BACK: f64 = 2.0;
 
 /// How much closer to the light's line they see: as close as a blocker right at the light's end comes to
 /// it.
 const NEARER: f64 = 1.0 / 64.0;
 
-/// How many fewer rows than the others their maps have. There the scene is seen so slantwise that
-/// rows lie close to each other.
-const FEWER_ROWS: u32 = 4;
-
-/// The most frusta of one light: four around it, with one beyond either end each.
-pub const MAX_FRUSTA: usize = 12;
+/// The most frusta of one light: four around it, with two beyond either end each.
+pub const MAX_FRUSTA: usize = 20;
 
 /// Texels left free around a fitted window, for rounding.
 const MARGIN: f64 = 1.0 / 32.0;
@@ -46,9 +57,9 @@ const MARGIN: f64 = 1.0 / 32.0;
 ///
 /// **Beyond the ends.** Views perpendicular to the light see little of what lies along its line:
 /// windows end at [`MAX_TANGENT`]. If receivers lie beyond, each of these frusta is followed by one
-/// more for such an end, whose window begins at the end's own plane and ends half a degree from
-/// the light's line, and whose maps have a quarter of the rows. What remains, closer to the line
-/// than that, falls outside all maps and counts as lit.
+/// or two more for such an end, whose windows begin at the end's own plane and end 3.6 degrees and a
+/// quarter of a degree from the light's line, and whose maps have fewer rows. What remains, closer to
+/// the line than that, falls outside all maps.
 ///
 /// A receiver belongs to exactly one frustum ([`RectifiedLight::frustum_of`]). All that can block it
 /// from the light lies in its own half-plane through the light's line, hence in the same frustum.
@@ -111,22 +122,18 @@ impl RectifiedLight {
             let [left, top, right, bottom] = *extents;
             let cut = [left.max(-MAX_TANGENT), top, right.min(MAX_TANGENT), bottom];
             frusta.push(views(cut, size, *near));
-            let far = size[1].div_ceil(FEWER_ROWS);
-            let ends = [
-                (left < -MAX_TANGENT, end_planes(frame, -1.0, b, a)),
-                (right > MAX_TANGENT, end_planes(frame, 1.0, a, b)),
-            ];
-            let windows = [
-                [left.max(-LAST_TANGENT), top, BACK, bottom],
-                [-BACK, top, right.min(LAST_TANGENT), bottom],
-            ];
-            for ((is_cut, planes), window) in ends.into_iter().zip(windows) {
-                let may_hold = |plane: &Plane| {
-                    receivers.clone().any(|p| plane.side_of(p.extend(1.0).to_array()) > 0.0)
-                };
-                if is_cut && planes.iter().all(may_hold) {
-                    let views = views(window, [size[0], far], near * NEARER);
-                    frusta.push(views.beyond_end(planes));
+            let may_hold = |plane: &Plane| {
+                receivers.clone().any(|p| plane.side_of(p.extend(1.0).to_array()) > 0.0)
+            };
+            for (sign, reach, ends) in [(-1.0, -left, [b, a]), (1.0, right, [a, b])] {
+                for Beyond { receivers, after, last, fewer_rows } in BEYOND {
+                    let planes = end_planes(frame, sign, receivers, ends);
+                    if reach > after && planes.iter().all(may_hold) {
+                        let [x, back] = [sign * reach.min(last), -sign * BACK];
+                        let window = [x.min(back), top, x.max(back), bottom];
+                        let size = [size[0], size[1].div_ceil(fewer_rows)];
+                        frusta.push(views(window, size, near * NEARER).beyond_end(planes));
+                    }
                 }
             }
         }
@@ -232,16 +239,16 @@ fn faces(
     }
 }
 
-/// The planes on whose positive sides lies what is beyond the light's end `near`: it is seen from
-/// the `far` end at more than [`BEYOND`] along the light, and is past the near one. `sign` is that of
-/// the way from the far to the near end along the frame.
-fn end_planes(frame: &Frame, sign: f64, far: Vec3, near: Vec3) -> [Plane; 2] {
+/// The planes on whose positive sides lies what is beyond the light's near end: past it, and at more
+/// than `tangent` along the light as the far end sees it. `sign` is that of the way from the far to the
+/// near end along the frame.
+fn end_planes(frame: &Frame, sign: f64, tangent: f64, [far, near]: [Vec3; 2]) -> [Plane; 2] {
     let along = frame.right * sign;
     let plane = |normal: DVec3, through: Vec3| {
         let offset = normal.dot(through.as_dvec3());
         Plane(normal.extend(-offset).as_vec4().to_array())
     };
-    [plane(along - frame.forward * BEYOND, far), plane(along, near)]
+    [plane(along - frame.forward * tangent, far), plane(along, near)]
 }
 
 /// The directions that points take around the light's axis.

@@ -136,7 +136,7 @@ impl Extent {
 }
 
 /// Moves receivers that are too close to the light's line for the maps to show away from it, to
-/// where the maps end: half a degree at most.
+/// where the maps end: a quarter of a degree at most.
 #[inline(always)]
 fn away_from_line(
     ops: impl Ops,
