@@ -5,15 +5,8 @@ use core::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::*;
 
-use crate::kernels::receivers::{ask, matters, sift};
-use crate::kernels::vectors::{Vectors, equal, group, leaf, operations, tile};
-use crate::kernels::{Job, Kernels};
-use crate::leaf::{Candidate, Leaf, SiftTest};
-use crate::map::{ROWS, Row};
-use crate::pyramid::{LANES, NodeGroup};
-use crate::reach::{Boxes, GroupTest};
-use crate::receivers::Seekers;
-use crate::search::TileTest;
+use crate::kernels::Job;
+use crate::kernels::vectors::{Vectors, kernels, operations};
 
 #[derive(Clone, Copy)]
 struct Sse41(());
@@ -21,20 +14,7 @@ struct Sse41(());
 #[target_feature(enable = "sse4.1")]
 pub(crate) fn run(job: Job<'_>) {
     let v = Sse41(());
-    // Closures have the features of this function.
-    job.run(&Kernels {
-        tile: |test: &TileTest, rows: [&Row; ROWS]| tile(v, test, rows),
-        sift: |test: &SiftTest, rows: [&Row; ROWS]| sift(v, test, rows),
-        equal: |numbers: &[u32; LANES], number: u32| equal(v, numbers, number),
-        group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| group(v, test, boxes, nodes),
-        leaf: |rows: [&Row; ROWS], slope: [f32; 2]| leaf(v, rows, slope),
-        matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
-            matters(v, leaf, rows, seekers, lit)
-        },
-        ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
-            ask(v, texels, seekers, lanes, lit)
-        },
-    });
+    job.run(&kernels!(v));
 }
 
 type F = __m128;

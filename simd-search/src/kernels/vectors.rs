@@ -87,6 +87,39 @@ macro_rules! operations {
 }
 pub(crate) use operations;
 
+/// The kernels made of a table of operations.
+///
+/// A macro, so that the closures are made in the function that it stands in, whose target features
+/// they then have.
+macro_rules! kernels {
+    ($v:ident) => {{
+        use crate::kernels::{receivers, vectors};
+        use crate::leaf::{Candidate, Leaf, SiftTest};
+        use crate::map::{ROWS, Row};
+        use crate::pyramid::{LANES, NodeGroup};
+        use crate::reach::{Boxes, GroupTest};
+        use crate::receivers::Seekers;
+        use crate::search::TileTest;
+
+        crate::kernels::Kernels {
+            tile: |test: &TileTest, rows: [&Row; ROWS]| vectors::tile($v, test, rows),
+            sift: |test: &SiftTest, rows: [&Row; ROWS]| receivers::sift($v, test, rows),
+            equal: |numbers: &[u32; LANES], number: u32| vectors::equal($v, numbers, number),
+            group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| {
+                vectors::group($v, test, boxes, nodes)
+            },
+            leaf: |rows: [&Row; ROWS], slope: [f32; 2]| vectors::leaf($v, rows, slope),
+            matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
+                receivers::matters($v, leaf, rows, seekers, lit)
+            },
+            ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
+                receivers::ask($v, texels, seekers, lanes, lit)
+            },
+        }
+    }};
+}
+pub(crate) use kernels;
+
 /// Lanes in a vector.
 #[inline(always)]
 pub(super) const fn width<V: Vectors>() -> usize {
