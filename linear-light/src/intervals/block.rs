@@ -112,7 +112,7 @@ impl Block {
         let width = frame.camera.map().width() as usize;
         let all = self.receivers(ops);
         counters.receivers += u64::from(all.count_ones());
-        let shares = self.shares(ops, &frame.frusta);
+        let shares = if all == 0 { [0; MAX_FRUSTA] } else { self.shares(ops, &frame.frusta) };
         for (frustum, share) in frame.frusta.iter().flatten().zip(shares) {
             let left = all & share;
             if left != 0 {
