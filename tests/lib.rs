@@ -1,13 +1,13 @@
 //! What the workspace tests share.
 
-use raster::{DepthBuffer, Payload, Rasterizer};
+use raster::{DepthBuffer, Payload, Rasterizer, Target};
 use reference::{Receivers, Samples, Tracer, truth};
-use renderer::camera;
 use renderer::scene::Scene;
-use shadowmap_core::{Level, Light, Threads, View};
+use renderer::{camera, compare};
+use shadowmap_core::{Level, Light, Mesh, Threads, View};
 
 /// Visibility of the pixels that count as penumbra.
-pub const PENUMBRA: std::ops::Range<f32> = 0.002..0.998;
+pub const PENUMBRA: std::ops::Range<f32> = compare::PENUMBRA[0]..compare::PENUMBRA[1];
 
 /// A scene with a linear light, and what its camera sees.
 pub struct Stage {
@@ -47,4 +47,24 @@ impl Stage {
         let Receivers { positions, normals, .. } = &self.receivers;
         truth::cached(&self.scene.mesh.as_mesh(), positions, normals, light, Samples::TRUTH)
     }
+}
+
+/// The maps of some views, of their sizes, with object IDs.
+pub fn draw(rasterizer: &mut Rasterizer, views: &[View], mesh: &Mesh<'_>) -> Vec<DepthBuffer> {
+    let empty = |view: &View| DepthBuffer::new(view.width(), view.height());
+    let mut maps: Vec<DepthBuffer> = views.iter().map(empty).collect();
+    let mut targets: Vec<Target<'_>> = maps.iter_mut().map(DepthBuffer::target).collect();
+    rasterizer.draw_many(views, mesh, Payload::ObjectId, &mut targets);
+    maps
+}
+
+/// Root of the mean squared difference of pairs of values, of which there must be some hundreds.
+pub fn rmse<'a>(pairs: impl Iterator<Item = (&'a f32, &'a f32)>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for (found, truth) in pairs {
+        sum += f64::from(found - truth).powi(2);
+        count += 1;
+    }
+    assert!(count > 500, "only {count} pixels to compare");
+    (sum / f64::from(count)).sqrt()
 }

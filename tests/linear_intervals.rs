@@ -4,11 +4,11 @@ use glam::Vec3;
 use linear_light::{
     FrustumMaps, INTERVAL_BIAS, IntervalVisibility, RectifiedLight, SampleMap, lines,
 };
-use raster::{DepthBuffer, Payload, Rasterizer, Target};
+use raster::{DepthBuffer, Rasterizer};
 use renderer::builtin;
 use renderer::prepared::Prepared;
-use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
-use workspace_tests::{PENUMBRA, Stage};
+use shadowmap_core::{Camera, Level, Light, Surfaces, Threads};
+use workspace_tests::{PENUMBRA, Stage, draw, rmse};
 
 fn stage(name: &str, size: u32) -> Stage {
     Stage::of(builtin::scene(name).unwrap(), size)
@@ -42,15 +42,7 @@ fn at(
         let drawn: Vec<Vec<DepthBuffer>> = light
             .frusta()
             .iter()
-            .map(|views| {
-                let views = views.views();
-                let map = |view: &View| DepthBuffer::new(view.width(), view.height());
-                let mut maps: Vec<DepthBuffer> = views.iter().map(map).collect();
-                let mut targets: Vec<Target<'_>> =
-                    maps.iter_mut().map(DepthBuffer::target).collect();
-                rasterizer.draw_many(views, &mesh, Payload::ObjectId, &mut targets);
-                maps
-            })
+            .map(|frustum| draw(&mut rasterizer, frustum.views(), &mesh))
             .collect();
         let at = |k: usize| k as f32 / (samples - 1) as f32;
         let maps: Vec<Vec<SampleMap<'_>>> = drawn
@@ -78,16 +70,6 @@ fn at(
 /// Root of the mean squared error over the penumbra.
 fn penumbra_rmse(found: &[f32], truth: &[f32]) -> f64 {
     rmse(found.iter().zip(truth).filter(|(_, truth)| PENUMBRA.contains(truth)))
-}
-
-fn rmse<'a>(pairs: impl Iterator<Item = (&'a f32, &'a f32)>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for (found, truth) in pairs {
-        sum += f64::from(found - truth).powi(2);
-        count += 1;
-    }
-    assert!(count > 500, "only {count} pixels to compare");
-    (sum / f64::from(count)).sqrt()
 }
 
 /// A rectangle of 1 x 1 m around the middle of the torus scene's linear light.

@@ -8,13 +8,13 @@ use linear_light::{
     Discontinuity, EdgeFilter, RectifiedLight, SkinOptions, SkinShadow, Transition,
     VisibilityChannels, visibility,
 };
-use raster::{DepthBuffer, Payload, Rasterizer};
+use raster::{DepthBuffer, Rasterizer};
 use reference::{Receivers, Samples, Tracer};
 use renderer::builtin;
 use renderer::prepared::Prepared;
 use renderer::scene::Scene;
 use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
-use workspace_tests::{PENUMBRA, Stage};
+use workspace_tests::{PENUMBRA, Stage, rmse};
 
 /// A scene with a linear light and what a camera sees of it.
 struct Shot {
@@ -126,12 +126,7 @@ fn tilted() -> Scene {
 }
 
 fn draw(views: &[View], mesh: &Mesh<'_>) -> Vec<DepthBuffer> {
-    let empty = |view: &View| DepthBuffer::new(view.width(), view.height());
-    let mut buffers: Vec<_> = views.iter().map(empty).collect();
-    let mut targets: Vec<_> = buffers.iter_mut().map(DepthBuffer::target).collect();
-    let mut rasterizer = Rasterizer::new(Level::detect(), Threads::Pool);
-    rasterizer.draw_many(views, mesh, Payload::ObjectId, &mut targets);
-    buffers
+    workspace_tests::draw(&mut Rasterizer::new(Level::detect(), Threads::Pool), views, mesh)
 }
 
 fn borrowed(buffers: &[DepthBuffer]) -> Vec<DepthMap<'_>> {
@@ -139,10 +134,7 @@ fn borrowed(buffers: &[DepthBuffer]) -> Vec<DepthMap<'_>> {
 }
 
 fn rms(pixels: impl Iterator<Item = usize>, found: &[f32], expected: &[f32]) -> f64 {
-    let (sum, count) = pixels.fold((0.0, 0), |(sum, count), i| {
-        (sum + f64::from(found[i] - expected[i]).powi(2), count + 1)
-    });
-    (sum / f64::from(count)).sqrt()
+    rmse(pixels.map(|i| (&found[i], &expected[i])))
 }
 
 fn with(transition: Transition) -> SkinOptions {
