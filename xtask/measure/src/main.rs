@@ -1,6 +1,7 @@
 //! Measurements of the workspace: `cargo xtask bench` and `cargo xtask figures` run this program.
 
 mod bench;
+mod compare;
 mod figures;
 mod page;
 mod picture;

@@ -12,8 +12,8 @@ use renderer::prepared::Prepared;
 use renderer::scene::SceneLight;
 use shadowmap_core::{Level, Light, Threads};
 
-use super::linear::penumbra_rmse;
 use super::{Bench, Group, Variant};
+use crate::compare::compare;
 
 /// Rays per pixel of what errors are measured against.
 const TRUTH: u32 = 1024;
@@ -26,12 +26,12 @@ pub fn run(bench: &mut Bench) {
     let corner = Vec3::new(1.0, 6.0, 1.0);
     let rectangle = Light::Rectangle { corner, edge_u: edges.0, edge_v: edges.1 };
     let of_lines = |count: &u32| (format!("{count} lines"), intervals(Some(*count)));
-    compare(bench, "torus", "rectangle", rectangle, lines.iter().map(of_lines).collect(), rays);
+    beside_rays(bench, "torus", "rectangle", rectangle, lines.iter().map(of_lines).collect(), rays);
     let adaptive = ("adaptive samples".to_owned(), intervals(None));
     let two = ("2 samples".to_owned(), intervals(Some(2)));
     let rays: &[u32] = if bench.quick() { &[16] } else { &[16, 64] };
     let tube = Light::Linear { a: Vec3::new(0.5, 8.0, 1.5), b: Vec3::new(2.5, 8.0, 1.5) };
-    compare(bench, "crowded", "linear", tube, vec![two, adaptive], rays);
+    beside_rays(bench, "crowded", "linear", tube, vec![two, adaptive], rays);
 }
 
 fn intervals(samples: Option<u32>) -> LightOptions {
@@ -40,7 +40,7 @@ fn intervals(samples: Option<u32>) -> LightOptions {
 }
 
 /// Times a light on a scene by some options, and by rays.
-fn compare(
+fn beside_rays(
     bench: &mut Bench,
     name: &str,
     kind: &str,
@@ -85,7 +85,8 @@ fn compare(
         };
         let mut frame = Frame::new(Level::detect(), Threads::One);
         frame.render(&shot);
-        errors.push(format!("{variant} {:.4}", penumbra_rmse(&frame.visibility()[0], &truth)));
+        let error = compare(camera.width(), &frame.visibility()[0], &truth).penumbra_rmse;
+        errors.push(format!("{variant} {error:.4}"));
         variants.push(Variant::new(variant.clone(), move || frame.render(&shot)));
     }
     bench.note(format!(

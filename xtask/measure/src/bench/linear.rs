@@ -16,6 +16,7 @@ use renderer::scene::Scene;
 use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
 
 use super::{Bench, Group, Variant, area};
+use crate::compare::compare;
 
 /// Side of the camera's image.
 const SIDE: u32 = 512;
@@ -82,19 +83,6 @@ fn draw(rasterizer: &mut Rasterizer, mesh: &Mesh<'_>, views: &[View], maps: &mut
     rasterizer.draw_many(views, mesh, Payload::ObjectId, &mut targets);
 }
 
-/// Root of the mean squared error where the truth is between full light and full shadow.
-pub(super) fn penumbra_rmse(found: &[f32], truth: &[f32]) -> f64 {
-    let penumbra = || found.iter().zip(truth).filter(|(_, truth)| (0.002..0.998).contains(*truth));
-    let sum: f64 = penumbra().map(|(found, truth)| f64::from(found - truth).powi(2)).sum();
-    (sum / penumbra().count() as f64).sqrt()
-}
-
-/// Root of the mean squared difference.
-fn rms(a: &[f32], b: &[f32]) -> f64 {
-    let sum: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-    (sum / a.len() as f64).sqrt()
-}
-
 /// Every stage of intervals, at every level and on two threads, and rays.
 fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
     let prepared = Prepared::new(&shot.scene);
@@ -129,7 +117,8 @@ fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
     };
     let mut truth = vec![0.0; pixels];
     trace(TRUTH, Threads::Pool, &mut truth);
-    let error = penumbra_rmse(&expected, &truth);
+    let rmse = |found: &[f32]| compare(camera.map().width(), found, &truth).penumbra_rmse;
+    let error = rmse(&expected);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let mut bounds = IntervalVisibility::new(Level::detect(), Threads::One);
     let mut variants = vec![
@@ -156,7 +145,7 @@ fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
     for &rays in rays {
         let mut out = vec![0.0; pixels];
         trace(rays, Threads::One, &mut out);
-        errors.push(format!("{rays} rays {:.4}", penumbra_rmse(&out, &truth)));
+        errors.push(format!("{rays} rays {:.4}", rmse(&out)));
         let trace = &trace;
         variants.push(Variant::new(format!("{rays} rays per pixel"), move || {
             trace(rays, Threads::One, &mut out);
@@ -213,7 +202,7 @@ fn skins(bench: &mut Bench, shot: &Shot) {
     let mut by_polygons = out.clone();
     shade(&plain, &mut out);
     shade(&polygons, &mut by_polygons);
-    let difference = rms(&out, &by_polygons);
+    let difference = compare(camera.map().width(), &out, &by_polygons).rmse;
     assert!(difference < POLYGON_TOLERANCE, "polygons differ by {difference} from rows");
     bench.note(format!(
         "{}: the channels' baseline is the method as the paper writes it, skin polygons rasterized \

@@ -6,10 +6,9 @@ use glam::Vec3;
 use raster::DepthBuffer;
 use reference::{Samples, Tracer, truth};
 use renderer::camera::{CameraOptions, choose, view};
-use renderer::compare::{Comparison, compare};
+use renderer::compare::Comparison;
 use renderer::frame::{Frame, Goal, Shot};
 use renderer::lighting::LightJob;
-use renderer::picture::{self, Display, Values};
 use renderer::prepared::Prepared;
 use renderer::receivers;
 use renderer::scene::{Scene, SceneLight};
@@ -17,6 +16,7 @@ use renderer::stats::StageTimes;
 use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
 
 use super::way::Way;
+use crate::compare::compare;
 use crate::picture::Picture;
 
 /// What takes longer is not repeated.
@@ -155,13 +155,7 @@ impl<'a> Stage<'a> {
 
     /// How far `found` is from `truth`.
     pub fn compare(&self, found: &[f32], truth: &[f32]) -> Comparison {
-        let [found, truth] = [found, truth].map(|values| picture::Picture {
-            width: self.view.width(),
-            height: self.view.height(),
-            channels: 1,
-            values: Values::Floats(values.to_vec(), Display::Unit),
-        });
-        compare(&found, &truth, &truth).expect("both are of the camera's size")
+        compare(self.view.width(), found, truth)
     }
 
     fn jobs(&self, lights: &[SceneLight], way: &Way) -> Vec<LightJob> {
