@@ -19,16 +19,12 @@ struct Drawn {
     frame: Frame,
 }
 
-fn draw(scene: &Scene, light: Light, method: Method, samples: u32, map_size: u32) -> Drawn {
+fn draw(scene: &Scene, light: Light, method: Method, samples: Option<u32>, map_size: u32) -> Drawn {
     let prepared = Prepared::new(scene);
     let camera = choose(scene, &CameraOptions::default()).unwrap();
     let view = view(&camera, [SIDE, SIDE], prepared.bounds());
-    let options = LightOptions {
-        method: Some(method),
-        samples: Some(samples),
-        map_size,
-        ..LightOptions::default()
-    };
+    let options =
+        LightOptions { method: Some(method), samples, map_size, ..LightOptions::default() };
     let light =
         SceneLight { name: String::new(), light, color: Vec3::ONE, intensity: 1.0, spot: None };
     let job = LightJob::new(&light, &options, &prepared, &view).unwrap();
@@ -69,7 +65,7 @@ fn depths_and_ids_equal_rays() {
     for name in ["torus", "blocker", "crowded", "grille"] {
         let scene = builtin::scene(name).unwrap();
         let light = scene.lights[0].light;
-        let Drawn { view, frame } = draw(&scene, light, Method::Hard, 1, 16);
+        let Drawn { view, frame } = draw(&scene, light, Method::Hard, Some(1), 16);
         let tracer = Tracer::new(&scene.mesh.as_mesh());
         let rays = tracer.receivers(&view, Threads::Pool);
         let id = |triangle: Option<&u32>| triangle.map_or(0, |&id| id);
@@ -122,7 +118,7 @@ fn closed_form(p: Vec3) -> f32 {
 fn point_samples_meet_the_closed_form_on_the_ground_of_blocker() {
     let scene = builtin::scene("blocker").unwrap();
     let light = scene.lights[0].light;
-    let drawn = draw(&scene, light, Method::PointSamples, 64, 1024);
+    let drawn = draw(&scene, light, Method::PointSamples, Some(64), 1024);
     let prepared = Prepared::new(&scene);
     let surfaces = Surfaces::Table(prepared.surfaces());
     let map = drawn.frame.camera().as_depth_map();
@@ -146,7 +142,7 @@ fn point_samples_meet_the_closed_form_on_the_ground_of_blocker() {
 fn rays_meet_the_closed_form_on_the_ground_of_blocker() {
     let scene = builtin::scene("blocker").unwrap();
     let light = scene.lights[0].light;
-    let drawn = draw(&scene, light, Method::RayTraced, 1024, 16);
+    let drawn = draw(&scene, light, Method::RayTraced, Some(1024), 16);
     let found = &drawn.frame.visibility()[0];
     for (i, &n) in drawn.frame.camera().nearness.iter().enumerate() {
         if matches!(drawn.frame.camera().payload[i], 1 | 2) {
@@ -184,10 +180,44 @@ fn many_point_samples_meet_rays_for_every_light() {
         // In the middle of the scene, seen through several faces.
         ("inside", Light::Linear { a: v(-0.1, 1.6, 0.2), b: v(0.1, 1.6, 0.2) }, 0.06),
     ] {
-        let truth = draw(&scene, light, Method::RayTraced, 256, 16);
-        let drawn = draw(&scene, light, Method::PointSamples, 64, 512);
+        let truth = draw(&scene, light, Method::RayTraced, Some(256), 16);
+        let drawn = draw(&scene, light, Method::PointSamples, Some(64), 512);
         let (penumbra, all) = drawn.errors(&truth.frame.visibility()[0]);
         println!("{name}: {penumbra:.4} in the penumbra, {all:.4} in all");
         assert!(penumbra < limit, "{name}: {penumbra}");
     }
+}
+
+/// Small plates at random places under the light, one behind the other.
+fn plates() -> Scene {
+    let mut scene = builtin::scene("blocker").unwrap();
+    let mut state = 1_u32;
+    let mut random = |from: f32, to: f32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        from + (to - from) * (state >> 8) as f32 / (1 << 24) as f32
+    };
+    for _ in 0..200 {
+        let p = Vec3::new(random(-1.5, 1.5), random(0.3, 3.0), random(-1.5, 1.5));
+        let [x, z] = [Vec3::X * 0.15, Vec3::Z * 0.15];
+        scene.add_object(
+            "plate",
+            0,
+            &[p - x - z, p - x + z, p + x + z, p + x - z],
+            &[[0, 1, 2], [0, 2, 3]],
+        );
+    }
+    scene.normals.resize(scene.mesh.positions.len(), Vec3::ZERO);
+    scene
+}
+
+#[test]
+fn samples_are_added_where_blockers_hide_each_other_from_both_ends() {
+    let scene = plates();
+    let light = scene.lights[0].light;
+    let truth = draw(&scene, light, Method::RayTraced, Some(512), 16);
+    let [two, adaptive] = [Some(2), None].map(|samples| {
+        draw(&scene, light, Method::Intervals, samples, 512).errors(&truth.frame.visibility()[0]).0
+    });
+    println!("two samples {two:.4}, as many as it takes {adaptive:.4}");
+    assert!(adaptive < 0.042 && adaptive < 0.55 * two);
 }

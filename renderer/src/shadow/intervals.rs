@@ -12,7 +12,7 @@ use crate::drawing::Drawing;
 use crate::stats::timed;
 
 /// How much smaller along each axis the maps are that only ask whether a sample is missing.
-const TRIAL_REDUCTION: u32 = 4;
+const TRIAL_REDUCTION: u32 = 2;
 
 impl ShadowStage {
     /// Writes the visibility of a line whose maps have been drawn; draws more if it is to be
