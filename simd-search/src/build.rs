@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::Map;
 use crate::kernels::Ops;
-use crate::map::COLUMNS;
+use crate::map::{COLUMNS, ROWS};
 use crate::pyramid::{FAN, IdGroup, LANES, LEAF_HEIGHT, LEAF_WIDTH, Layout, NodeGroup};
 
 /// Planar bounds of one node.
@@ -15,14 +15,33 @@ pub(crate) struct Bounds {
     pub high: f32,
 }
 
-/// What is measured of the texels of a leaf: the range of nearness minus a plane, NaN left out.
+/// Leaves of a row of a group, which are measured together, and a row of their texels.
+pub(crate) const SIDE_BY_SIDE: usize = FAN as usize;
+pub(crate) type WideRow = [f32; SIDE_BY_SIDE * COLUMNS];
+
+/// What is measured of the texels of leaves side by side: the range of nearness minus a plane, NaN
+/// left out, but then without a lower end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ranges {
-    pub low: f32,
-    pub high: f32,
-    /// Whether there is a NaN.
-    pub nan: bool,
+    pub low: [f32; SIDE_BY_SIDE],
+    pub high: [f32; SIDE_BY_SIDE],
 }
+
+impl Ranges {
+    /// The ranges of no texels.
+    pub const NONE: Ranges =
+        Ranges { low: [f32::INFINITY; SIDE_BY_SIDE], high: [f32::NEG_INFINITY; SIDE_BY_SIDE] };
+
+    /// Adds a texel of a leaf that is so far above the plane. Comparisons pass over NaN.
+    pub fn add(&mut self, leaf: usize, above: f32) {
+        let (low, high) = (&mut self.low[leaf], &mut self.high[leaf]);
+        *low = if above < *low { above } else { *low };
+        *high = if above > *high { above } else { *high };
+    }
+}
+
+/// Slopes of leaves side by side, along x and along y.
+pub(crate) type Slopes = [[f32; SIDE_BY_SIDE]; 2];
 
 /// The centre of a leaf's first texel seen from its own centre.
 pub(crate) const FIRST: [f32; 2] =
@@ -37,6 +56,12 @@ const ROOM: f32 = 1.0 / 1048576.0;
 impl Bounds {
     /// Bounds of nothing.
     const NONE: Bounds = Bounds { slope: [0.0; 2], low: f32::INFINITY, high: f32::NEG_INFINITY };
+
+    /// Adds a texel that is so far above the plane. Comparisons pass over NaN.
+    fn add(&mut self, above: f32) {
+        self.low = if above < self.low { above } else { self.low };
+        self.high = if above > self.high { above } else { self.high };
+    }
 
     #[inline(always)]
     fn store(self, group: &mut NodeGroup, lane: usize) {
@@ -64,12 +89,13 @@ pub(crate) fn build(
         (count(&columns, width), count(&rows, height))
     };
     let (xs, ys) = groups(0);
+    let mut unpacked = [[0.0; SIDE_BY_SIDE * COLUMNS]; ROWS];
     for y in ys {
         let first = layout.levels[0].columns as usize * y as usize;
         // Along whole rows of leaves, which memory likes better than group after group.
         for row in 0..FAN as usize {
             for x in xs.clone() {
-                leaves(ops, &map, &mut nodes[first + x as usize], x, y, row);
+                leaves(ops, &map, &mut nodes[first + x as usize], [x, y], row, &mut unpacked);
             }
         }
         for x in xs.clone() {
@@ -133,25 +159,33 @@ fn make_room(group: &mut NodeGroup, level: usize) {
 
 /// The four leaves of a row of a group, without room for rounding.
 #[inline(always)]
-fn leaves(ops: &impl Ops, map: &Map<'_>, group: &mut NodeGroup, x: u32, y: u32, row: usize) {
-    for lane in row * FAN as usize..(row + 1) * FAN as usize {
-        let (left, top, columns, rows) = leaf_box(map, x, y, lane);
-        if columns == 0 || rows == 0 {
-            Bounds::NONE.store(group, lane);
-            continue;
-        }
-        let (slope, ranges) = if columns == LEAF_WIDTH && rows == LEAF_HEIGHT {
-            map.with_tile(left, top, |rows| {
-                let texel = |x: u32, y: u32| rows[y as usize][x as usize];
-                let slope = leaf_slope(LEAF_WIDTH, LEAF_HEIGHT, texel);
-                (slope, ops.leaf(rows, slope))
-            })
-        } else {
-            let slope = leaf_slope(columns, rows, |x, y| map.nearness(left + x, top + y));
-            (slope, ranges(map, left, top, columns, rows, slope))
+fn leaves(
+    ops: &impl Ops,
+    map: &Map<'_>,
+    group: &mut NodeGroup,
+    [x, y]: [u32; 2],
+    row: usize,
+    unpacked: &mut [WideRow; ROWS],
+) {
+    let first = row * FAN as usize;
+    let (left, top, _, rows) = leaf_box(map, x, y, first);
+    if rows == LEAF_HEIGHT && map.width().saturating_sub(left) >= FAN * LEAF_WIDTH {
+        let rows = map.block(left, top, unpacked);
+        let slopes = slopes(&rows);
+        let ranges = ops.leaves(&rows, &slopes);
+        let lanes = first..first + SIDE_BY_SIDE;
+        group.slope_x[lanes.clone()].copy_from_slice(&slopes[0]);
+        group.slope_y[lanes.clone()].copy_from_slice(&slopes[1]);
+        group.low[lanes.clone()].copy_from_slice(&ranges.low);
+        group.high[lanes].copy_from_slice(&ranges.high);
+        return;
+    }
+    for lane in first..first + SIDE_BY_SIDE {
+        let bounds = match leaf_box(map, x, y, lane) {
+            (_, _, 0, _) | (_, _, _, 0) => Bounds::NONE,
+            (left, top, columns, rows) => cut_leaf(map, left, top, columns, rows),
         };
-        let low = if ranges.nan { f32::NEG_INFINITY } else { ranges.low };
-        Bounds { slope, low, high: ranges.high }.store(group, lane);
+        bounds.store(group, lane);
     }
 }
 
@@ -165,14 +199,46 @@ fn leaf_box(map: &Map<'_>, x: u32, y: u32, lane: usize) -> (u32, u32, u32, u32) 
     (left as u32, top as u32, columns as u32, rows as u32)
 }
 
-/// The slope along the middle row and column of a leaf, whose texel (x, y) is `texel(x, y)`.
-#[inline(always)]
-fn leaf_slope(columns: u32, rows: u32, texel: impl Fn(u32, u32) -> f32) -> [f32; 2] {
+/// The bounds of a leaf that may be cut off by the map's border, one texel after another.
+fn cut_leaf(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32) -> Bounds {
     let (x, y) = (columns / 2, rows / 2);
+    let texel = |x: u32, y: u32| map.nearness(left + x, top + y);
     let middle = texel(x, y);
     let along_x = [texel(0, y), texel(columns - 1, y)];
     let along_y = [texel(x, 0), texel(x, rows - 1)];
-    [slope_along(along_x, middle, x, columns - 1), slope_along(along_y, middle, y, rows - 1)]
+    let slope =
+        [slope_along(along_x, middle, x, columns - 1), slope_along(along_y, middle, y, rows - 1)];
+    let mut bounds = Bounds { slope, ..Bounds::NONE };
+    let mut nan = false;
+    for row in 0..rows {
+        for column in 0..columns {
+            let (x, y) = (FIRST[0] + column as f32, FIRST[1] + row as f32);
+            let nearness = texel(column, row);
+            bounds.add(nearness - (slope[0] * x + slope[1] * y));
+            nan |= nearness.is_nan();
+        }
+    }
+    if nan { Bounds { low: f32::NEG_INFINITY, ..bounds } } else { bounds }
+}
+
+/// The slopes of whole leaves, along their middle rows and columns.
+#[inline(always)]
+fn slopes(rows: &[&WideRow; ROWS]) -> Slopes {
+    let each = |row: usize, x: usize| {
+        let texel = |leaf: usize| rows[row][leaf * COLUMNS + x];
+        [texel(0), texel(1), texel(2), texel(3)]
+    };
+    let middle = each(ROWS / 2, COLUMNS / 2);
+    let [left, right] = [each(ROWS / 2, 0), each(ROWS / 2, COLUMNS - 1)];
+    let [top, bottom] = [each(0, COLUMNS / 2), each(ROWS - 1, COLUMNS / 2)];
+    let mut slopes = [[0.0; SIDE_BY_SIDE]; 2];
+    for i in 0..SIDE_BY_SIDE {
+        let along_x = [left[i], right[i]];
+        let along_y = [top[i], bottom[i]];
+        slopes[0][i] = slope_along(along_x, middle[i], LEAF_WIDTH / 2, LEAF_WIDTH - 1);
+        slopes[1][i] = slope_along(along_y, middle[i], LEAF_HEIGHT / 2, LEAF_HEIGHT - 1);
+    }
+    slopes
 }
 
 /// The slope from the first to the last texel of a line, if both of its halves roughly have it.
@@ -186,57 +252,31 @@ fn slope_along([first, last]: [f32; 2], middle: f32, before: u32, length: u32) -
     if agrees && slope.abs() < STEEPEST { slope } else { 0.0 }
 }
 
-/// The ranges of a leaf that the map cuts off, one texel after another.
-#[inline(always)]
-fn ranges(map: &Map<'_>, left: u32, top: u32, columns: u32, rows: u32, slope: [f32; 2]) -> Ranges {
-    let mut ranges = Ranges::NONE;
-    for row in 0..rows {
-        for column in 0..columns {
-            let (x, y) = (FIRST[0] + column as f32, FIRST[1] + row as f32);
-            let plane = slope[0] * x + slope[1] * y;
-            ranges.add(map.nearness(left + column, top + row), plane);
-        }
-    }
-    ranges
-}
-
-impl Ranges {
-    /// The ranges of no texels.
-    pub const NONE: Ranges = Ranges { low: f32::INFINITY, high: f32::NEG_INFINITY, nan: false };
-
-    /// Adds a texel and the plane there. Comparisons pass over NaN.
-    #[inline(always)]
-    pub fn add(&mut self, nearness: f32, plane: f32) {
-        let above = nearness - plane;
-        self.low = if above < self.low { above } else { self.low };
-        self.high = if above > self.high { above } else { self.high };
-        self.nan |= nearness.is_nan();
-    }
-}
-
 /// The bounds of a node of `level`, from its children, without room for rounding.
 #[inline(always)]
 fn parent(children: &NodeGroup, level: usize) -> Bounds {
+    let flat = bounds_along(children, level, [0.0; 2]);
+    let planar = bounds_along(children, level, [children.slope_x[0], children.slope_y[0]]);
+    if planar.high - planar.low < flat.high - flat.low { planar } else { flat }
+}
+
+/// The bounds of a node of `level` with the given slope, from its children.
+#[inline(always)]
+fn bounds_along(children: &NodeGroup, level: usize, slope: [f32; 2]) -> Bounds {
     let [width, height] = Layout::node_size(level - 1).map(|size| size as f32);
     let half = [(width - 1.0) * 0.5, (height - 1.0) * 0.5];
-    let range = |slope: [f32; 2]| {
-        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            let x = ((i as u32 % FAN) as f32 - 0.5 * (FAN - 1) as f32) * width;
-            let y = ((i as u32 / FAN) as f32 - 0.5 * (FAN - 1) as f32) * height;
-            let plane = slope[0] * x + slope[1] * y;
-            let spread = (children.slope_x[i] - slope[0]).abs() * half[0]
-                + (children.slope_y[i] - slope[1]).abs() * half[1];
-            low[i] = (children.low[i] - spread) - plane;
-            high[i] = (children.high[i] + spread) - plane;
-        }
-        [fold(low, f32::min), fold(high, f32::max)]
-    };
-    let slope = [children.slope_x[0], children.slope_y[0]];
-    let (flat, planar) = (range([0.0; 2]), range(slope));
-    let (slope, [low, high]) =
-        if planar[1] - planar[0] < flat[1] - flat[0] { (slope, planar) } else { ([0.0; 2], flat) };
-    Bounds { slope, low, high }
+    let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+    for i in 0..LANES {
+        let x = ((i as u32 % FAN) as f32 - 0.5 * (FAN - 1) as f32) * width;
+        let y = ((i as u32 / FAN) as f32 - 0.5 * (FAN - 1) as f32) * height;
+        let plane = slope[0] * x + slope[1] * y;
+        let spread = (children.slope_x[i] - slope[0]).abs() * half[0]
+            + (children.slope_y[i] - slope[1]).abs() * half[1];
+        low[i] = (children.low[i] - spread) - plane;
+        high[i] = (children.high[i] + spread) - plane;
+    }
+    let low = fold(low, |a, b| if a < b { a } else { b });
+    Bounds { slope, low, high: fold(high, |a, b| if a > b { a } else { b }) }
 }
 
 /// All lanes combined by a commutative and associative operation.

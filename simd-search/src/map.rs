@@ -116,30 +116,27 @@ impl Map<'_> {
     /// within the map.
     #[inline(always)]
     pub(crate) fn with_tile<T>(&self, x: u32, y: u32, work: impl Fn([&Row; ROWS]) -> T) -> T {
-        let width = self.width() as usize;
-        let start = y as usize * width + x as usize;
         match self {
-            Map::Planar(map) => {
-                let texels = &map.nearness()[start..];
-                // Loops, for closures need not be inlined.
-                let mut rows = [row(texels, 0); ROWS];
-                for i in 1..ROWS {
-                    rows[i] = row(texels, i * width);
-                }
-                work(rows)
-            }
+            Map::Planar(map) => work(planar_block(map, x, y)),
             Map::Packed(map) => {
-                let texels = &map.texels()[start..];
-                let mut rows = [[0.0; COLUMNS]; ROWS];
-                for i in 0..ROWS {
-                    let texels = row(texels, i * width);
-                    for column in 0..COLUMNS {
-                        rows[i][column] = unpack(texels[column]);
-                    }
-                }
-                let [a, b, c, d, e, f, g, h] = &rows;
-                work([a, b, c, d, e, f, g, h])
+                let mut unpacked = [[0.0; COLUMNS]; ROWS];
+                work(unpack_block(map, x, y, &mut unpacked))
             }
+        }
+    }
+
+    /// The nearness of as many rows as a tile has, `N` columns of them from texel (x, y) on: those
+    /// of the map itself, or what is put into `unpacked`. They must lie within the map.
+    #[inline(always)]
+    pub(crate) fn block<'b, const N: usize>(
+        &'b self,
+        x: u32,
+        y: u32,
+        unpacked: &'b mut [[f32; N]; ROWS],
+    ) -> [&'b [f32; N]; ROWS] {
+        match self {
+            Map::Planar(map) => planar_block(map, x, y),
+            Map::Packed(map) => unpack_block(map, x, y, unpacked),
         }
     }
 
@@ -157,7 +154,38 @@ impl Map<'_> {
 }
 
 #[inline(always)]
-fn row<T>(texels: &[T], start: usize) -> &[T; COLUMNS] {
+fn planar_block<'a, const N: usize>(map: &DepthMap<'a>, x: u32, y: u32) -> [&'a [f32; N]; ROWS] {
+    let width = map.width() as usize;
+    let texels = &map.nearness()[y as usize * width + x as usize..];
+    // Loops, for closures need not be inlined.
+    let mut rows = [row(texels, 0); ROWS];
+    for i in 1..ROWS {
+        rows[i] = row(texels, i * width);
+    }
+    rows
+}
+
+#[inline(always)]
+fn unpack_block<'b, const N: usize>(
+    map: &PackedMap<'_>,
+    x: u32,
+    y: u32,
+    unpacked: &'b mut [[f32; N]; ROWS],
+) -> [&'b [f32; N]; ROWS] {
+    let width = map.width() as usize;
+    let texels = &map.texels()[y as usize * width + x as usize..];
+    for i in 0..ROWS {
+        let texels: &[u32; N] = row(texels, i * width);
+        for column in 0..N {
+            unpacked[i][column] = unpack(texels[column]);
+        }
+    }
+    let [a, b, c, d, e, f, g, h] = unpacked;
+    [a, b, c, d, e, f, g, h]
+}
+
+#[inline(always)]
+fn row<T, const N: usize>(texels: &[T], start: usize) -> &[T; N] {
     texels[start..].first_chunk().expect("tiles lie within the map")
 }
 

@@ -2,7 +2,7 @@
 
 use core::cell::Cell;
 
-use crate::build::Ranges;
+use crate::build::{Ranges, Slopes, WideRow};
 use crate::kernels::{Job, Ops, scalar};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{COLUMNS, ROWS, Row};
@@ -76,8 +76,8 @@ impl<K: Ops> Ops for Counted<K> {
         self.nodes.set(self.nodes.get() + LANES as u64);
         self.ops.group(test, boxes, nodes)
     }
-    fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
-        self.ops.leaf(rows, slope)
+    fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
+        self.ops.leaves(rows, slopes)
     }
     fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
         self.nodes.set(self.nodes.get() + seekers.count as u64);

@@ -20,6 +20,22 @@ pub(crate) fn run(job: Job<'_>) {
 type F = __m512;
 type M = __mmask16;
 
+/// All lanes of each of four vectors combined: first lanes within the quarters of the vectors, as
+/// in the transposition of 4 x 4 numbers, then the quarters.
+macro_rules! across {
+    ($vectors:expr, $of_16:ident, $of_8:ident, $of_4:ident) => {{
+        let [a, b, c, d] = $vectors;
+        let ab = $of_16(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
+        let cd = $of_16(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
+        let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+        let [even, odd] = [_mm512_unpacklo_pd(ab, cd), _mm512_unpackhi_pd(ab, cd)];
+        let all = $of_16(_mm512_castpd_ps(even), _mm512_castpd_ps(odd));
+        let all = $of_8(_mm512_castps512_ps256(all), _mm512_extractf32x8_ps::<1>(all));
+        let all = $of_4(_mm256_castps256_ps128(all), _mm256_extractf128_ps::<1>(all));
+        bytemuck::cast(all)
+    }};
+}
+
 impl Vectors for Avx512 {
     type F = F;
     type M = M;
@@ -35,11 +51,13 @@ impl Vectors for Avx512 {
         larger(a: F, b: F) -> F = _mm512_max_ps(a, b);
         greater(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a, b);
         at_most(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
+        unordered(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(a, b);
         same_bits(a: F, b: u32) -> M =
             _mm512_cmpeq_epi32_mask(_mm512_castps_si512(a), _mm512_set1_epi32(b as i32));
         choose(m: M, a: F, b: F) -> F = _mm512_mask_blend_ps(m, b, a);
-        least(a: F) -> f32 = _mm512_reduce_min_ps(a);
-        greatest(a: F) -> f32 = _mm512_reduce_max_ps(a);
+        least_of_each(a: [F; 4]) -> [f32; 4] = across!(a, _mm512_min_ps, _mm256_min_ps, _mm_min_ps);
+        greatest_of_each(a: [F; 4]) -> [f32; 4] =
+            across!(a, _mm512_max_ps, _mm256_max_ps, _mm_max_ps);
     }
     operations! { safe:
         both(a: M, b: M) -> M = a & b;

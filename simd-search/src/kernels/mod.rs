@@ -5,7 +5,7 @@ use core::ops::Range;
 use shadowmap_core::Level;
 
 use crate::batch::each_in_pyramid;
-use crate::build::{Ranges, build};
+use crate::build::{Ranges, Slopes, WideRow, build};
 use crate::classify::{Verdict, classify};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{ROWS, Row};
@@ -54,8 +54,9 @@ pub(crate) trait Ops {
     fn equal(&self, numbers: &[u32; LANES], number: u32) -> u32;
     /// What 16 nodes can hold.
     fn group(&self, test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts;
-    /// The ranges of the texels of a leaf, minus a plane with the given slope through its centre.
-    fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges;
+    /// The ranges of the texels of leaves side by side, minus planes with the given slopes through
+    /// their centres.
+    fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges;
     /// The receivers that a leaf may hold the answer for, bit i for receiver i.
     fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter;
     /// Lets receivers ask each of the texels, all that have a bit in `lanes` and others.
@@ -68,7 +69,7 @@ pub(crate) struct Kernels<T, S, E, G, L, M, A> {
     pub sift: S,
     pub equal: E,
     pub group: G,
-    pub leaf: L,
+    pub leaves: L,
     pub matters: M,
     pub ask: A,
 }
@@ -79,7 +80,7 @@ where
     S: Fn(&SiftTest, [&Row; ROWS]) -> [u128; 2],
     E: Fn(&[u32; LANES], u32) -> u32,
     G: Fn(&GroupTest, &Boxes, &NodeGroup) -> Verdicts,
-    L: Fn([&Row; ROWS], [f32; 2]) -> Ranges,
+    L: Fn(&[&WideRow; ROWS], &Slopes) -> Ranges,
     M: Fn(&Leaf, [&Row; ROWS], &Seekers, bool) -> Matter,
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
 {
@@ -100,8 +101,8 @@ where
         (self.group)(test, boxes, nodes)
     }
     #[inline(always)]
-    fn leaf(&self, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
-        (self.leaf)(rows, slope)
+    fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
+        (self.leaves)(rows, slopes)
     }
     #[inline(always)]
     fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {

@@ -1,6 +1,6 @@
 //! The kernels in plain Rust: what all others must equal bit for bit.
 
-use crate::build::{FIRST, Ranges};
+use crate::build::{FIRST, Ranges, SIDE_BY_SIDE, Slopes, WideRow};
 use crate::kernels::{Job, Kernels, Ops};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{COLUMNS, ROWS, Row};
@@ -16,7 +16,7 @@ pub(crate) fn run(job: Job<'_>) {
 /// The kernels themselves.
 #[inline(always)]
 pub(crate) fn kernels() -> impl Ops {
-    Kernels { tile, sift, equal, group, leaf, matters, ask }
+    Kernels { tile, sift, equal, group, leaves, matters, ask }
 }
 
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
@@ -108,12 +108,25 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
     verdicts
 }
 
-fn leaf(rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
+fn leaves(rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
     let mut ranges = Ranges::NONE;
-    for (row, y) in rows.iter().zip(0u8..) {
-        for (&nearness, x) in row.iter().zip(0u8..) {
-            let (x, y) = (FIRST[0] + f32::from(x), FIRST[1] + f32::from(y));
-            ranges.add(nearness, slope[0] * x + slope[1] * y);
+    for leaf in 0..SIDE_BY_SIDE {
+        let (slope_x, slope_y) = (slopes[0][leaf], slopes[1][leaf]);
+        let mut nan = false;
+        for column in 0..COLUMNS {
+            let rise = slope_x * (FIRST[0] + column as f32);
+            let (mut upper, mut lower) = (rise - slope_y * 0.5, rise + slope_y * 0.5);
+            let texel = |row: usize| rows[row][leaf * COLUMNS + column];
+            for i in 0..ROWS / 2 {
+                let (above, below) = (texel(ROWS / 2 - 1 - i), texel(ROWS / 2 + i));
+                ranges.add(leaf, above - upper);
+                ranges.add(leaf, below - lower);
+                nan |= above.is_nan() || below.is_nan();
+                (upper, lower) = (upper - slope_y, lower + slope_y);
+            }
+        }
+        if nan {
+            ranges.low[leaf] = f32::NEG_INFINITY;
         }
     }
     ranges

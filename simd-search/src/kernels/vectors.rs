@@ -7,7 +7,7 @@ use core::mem::size_of;
 
 use bytemuck::{AnyBitPattern, NoUninit, bytes_of, cast_slice, pod_read_unaligned};
 
-use crate::build::{FIRST, Ranges};
+use crate::build::{FIRST, Ranges, SIDE_BY_SIDE, Slopes, WideRow};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest, Verdicts};
@@ -38,6 +38,8 @@ pub(crate) trait Vectors: Copy {
     fn greater(self, a: Self::F, b: Self::F) -> Self::M;
     /// `a <= b`.
     fn at_most(self, a: Self::F, b: Self::F) -> Self::M;
+    /// Whether one of them is a NaN.
+    fn unordered(self, a: Self::F, b: Self::F) -> Self::M;
     /// Whether the bits are those of an integer.
     fn same_bits(self, a: Self::F, b: u32) -> Self::M;
     fn both(self, a: Self::M, b: Self::M) -> Self::M;
@@ -47,18 +49,30 @@ pub(crate) trait Vectors: Copy {
     /// Bit `i` is lane `i`.
     fn bits(self, m: Self::M) -> u32;
 
-    /// The least lane of a vector without NaN.
+    /// The least lane of each of four vectors without NaN.
     #[inline(always)]
-    fn least(self, a: Self::F) -> f32 {
-        let lanes: &[f32] = cast_slice(bytes_of(&a));
-        lanes.iter().fold(lanes[0], |least, &lane| if lane < least { lane } else { least })
+    fn least_of_each(self, a: [Self::F; 4]) -> [f32; 4] {
+        across::<Self>(a, |a, b| if a < b { a } else { b })
     }
-    /// The greatest lane of a vector without NaN.
+    /// The greatest lane of each of four vectors without NaN.
     #[inline(always)]
-    fn greatest(self, a: Self::F) -> f32 {
-        let lanes: &[f32] = cast_slice(bytes_of(&a));
-        lanes.iter().fold(lanes[0], |most, &lane| if lane > most { lane } else { most })
+    fn greatest_of_each(self, a: [Self::F; 4]) -> [f32; 4] {
+        across::<Self>(a, |a, b| if a > b { a } else { b })
     }
+}
+
+/// All lanes of each vector combined by a commutative and associative operation.
+#[inline(always)]
+fn across<V: Vectors>(vectors: [V::F; 4], combine: impl Fn(f32, f32) -> f32) -> [f32; 4] {
+    let mut all = [0.0; 4];
+    for i in 0..4 {
+        let lanes: &[f32] = cast_slice(bytes_of(&vectors[i]));
+        all[i] = lanes[0];
+        for &lane in &lanes[1..] {
+            all[i] = combine(all[i], lane);
+        }
+    }
+    all
 }
 
 /// Writes the operations of an instruction set down as a table.
@@ -93,6 +107,7 @@ pub(crate) use operations;
 /// they then have.
 macro_rules! kernels {
     ($v:ident) => {{
+        use crate::build::{Slopes, WideRow};
         use crate::kernels::{receivers, vectors};
         use crate::leaf::{Candidate, Leaf, SiftTest};
         use crate::map::{ROWS, Row};
@@ -108,7 +123,7 @@ macro_rules! kernels {
             group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| {
                 vectors::group($v, test, boxes, nodes)
             },
-            leaf: |rows: [&Row; ROWS], slope: [f32; 2]| vectors::leaf($v, rows, slope),
+            leaves: |rows: &[&WideRow; ROWS], slopes: &Slopes| vectors::leaves($v, rows, slopes),
             matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
                 receivers::matters($v, leaf, rows, seekers, lit)
             },
@@ -135,8 +150,13 @@ pub(super) const fn parts<V: Vectors>() -> usize {
 /// One of the vectors in a row.
 #[inline(always)]
 pub(super) fn load<V: Vectors, T: NoUninit>(row: &[T; LANES], part: usize) -> V::F {
-    let lanes = &row[part * width::<V>()..][..width::<V>()];
-    pod_read_unaligned(cast_slice(lanes))
+    vector::<V, T>(&row[part * width::<V>()..])
+}
+
+/// The first of the numbers, as many as a vector has lanes.
+#[inline(always)]
+fn vector<V: Vectors, T: NoUninit>(numbers: &[T]) -> V::F {
+    pod_read_unaligned(cast_slice(&numbers[..width::<V>()]))
 }
 
 /// The bits of a mask, those of vector `part` in their place.
@@ -275,24 +295,39 @@ pub(crate) fn group<V: Vectors>(
     verdicts
 }
 
-/// [`super::Ops::leaf`].
+/// [`super::Ops::leaves`].
 #[inline(always)]
-pub(crate) fn leaf<V: Vectors>(v: V, rows: [&Row; ROWS], slope: [f32; 2]) -> Ranges {
-    let (mut low, mut high) = (v.all(f32::INFINITY), v.all(f32::NEG_INFINITY));
-    // Bits of lanes that are numbers.
-    let mut numbers = u32::MAX;
-    for part in 0..parts::<V>() {
-        let x = v.add(v.all(FIRST[0]), load::<V, _>(&LANE, part));
-        let rise_x = v.mul(v.all(slope[0]), x);
-        for (row, y) in rows.into_iter().zip(0u8..) {
-            let texels = load::<V, _>(row, part);
-            let plane = v.add(rise_x, v.all(slope[1] * (FIRST[1] + f32::from(y))));
-            let above = v.sub(texels, plane);
-            // Of a NaN and a number, these take the number.
-            (low, high) = (v.smaller(above, low), v.larger(above, high));
-            numbers &= v.bits(v.at_most(texels, texels));
+pub(crate) fn leaves<V: Vectors>(v: V, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
+    let mut low = [v.all(f32::INFINITY); SIDE_BY_SIDE];
+    let mut high = [v.all(f32::NEG_INFINITY); SIDE_BY_SIDE];
+    let mut nan = [0; SIDE_BY_SIDE];
+    for leaf in 0..SIDE_BY_SIDE {
+        let [slope_x, slope_y] = [v.all(slopes[0][leaf]), v.all(slopes[1][leaf])];
+        let (mut least, mut most) = (low[leaf], high[leaf]);
+        let mut unordered = v.unordered(v.all(0.0), v.all(0.0));
+        for part in 0..parts::<V>() {
+            let first = leaf * COLUMNS + part * width::<V>();
+            let x = v.add(v.all(FIRST[0]), load::<V, _>(&LANE, part));
+            let rise = v.mul(slope_x, x);
+            // The plane in the two rows beside the centre, from there on upwards and downwards.
+            let half = v.mul(slope_y, v.all(0.5));
+            let (mut upper, mut lower) = (v.sub(rise, half), v.add(rise, half));
+            for i in 0..ROWS / 2 {
+                let above = vector::<V, _>(&rows[ROWS / 2 - 1 - i][first..]);
+                let below = vector::<V, _>(&rows[ROWS / 2 + i][first..]);
+                unordered = v.either(unordered, v.unordered(above, below));
+                // Of a NaN and a number, these take the number.
+                let [above, below] = [v.sub(above, upper), v.sub(below, lower)];
+                least = v.smaller(below, v.smaller(above, least));
+                most = v.larger(below, v.larger(above, most));
+                (upper, lower) = (v.sub(upper, slope_y), v.add(lower, slope_y));
+            }
         }
+        (low[leaf], high[leaf], nan[leaf]) = (least, most, v.bits(unordered));
     }
-    let nan = numbers.count_ones() as usize != width::<V>();
-    Ranges { low: v.least(low), high: v.greatest(high), nan }
+    let mut low = v.least_of_each(low);
+    for leaf in 0..SIDE_BY_SIDE {
+        low[leaf] = if nan[leaf] == 0 { low[leaf] } else { f32::NEG_INFINITY };
+    }
+    Ranges { low, high: v.greatest_of_each(high) }
 }
