@@ -149,17 +149,6 @@ impl<'q> Batch<'q> {
     #[inline(always)]
     fn of(queries: &'q [Query], side: Side, seekers: &mut Seekers) -> Option<Batch<'q>> {
         let first = queries.iter().find(|query| query.side == side)?;
-        let mut others = 0;
-        for query in queries {
-            others += usize::from(query.side != side);
-        }
-        seekers.clear();
-        // Loops without closures and adapters: those need not be inlined.
-        for query in queries {
-            if others == 0 || query.side == side {
-                seekers.push(query);
-            }
-        }
         let (mut radius, mut same_ids, mut plain, mut by_distance) = (0.0, true, true, true);
         seekers.clear();
         // A loop without closures and adapters, which need not be inlined.
@@ -256,6 +245,7 @@ impl<'q> Batch<'q> {
         })
     }
 }
+
 /// The cone around those of all, if all have ratios for keys.
 fn cone(queries: &[Query], side: Side) -> Option<Cone> {
     let mut cone = Cone { nearness: f32::INFINITY, at_most: 0.0 };

@@ -4,8 +4,8 @@ use core::ops::Range;
 
 use crate::descend::{Descent, Path, descend};
 use crate::kernels::Ops;
-use crate::leaf::{Candidate, Leaf, SiftTest};
-use crate::map::{COLUMNS, ROWS};
+use crate::leaf::{Candidate, Leaf, SiftTest, larger};
+use crate::map::{COLUMNS, ROWS, Row};
 use crate::naive::reach as span;
 use crate::precedence::preceded;
 use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup, Pyramid};
@@ -31,8 +31,8 @@ struct Candidates<'a> {
     seekers: &'a mut Seekers,
     /// Also knows how far the receivers still have to look.
     test: SiftTest,
-    /// Room for rounding where a leaf is compared with a receiver's plane.
-    room: f32,
+    /// The receivers' planes, with room for rounding where leaves are compared with them.
+    planes: GroupTest,
     /// Texels that wait to be asked, and by whom: bit i for receiver i.
     texels: [Candidate; ROOM],
     count: usize,
@@ -64,8 +64,8 @@ pub(crate) fn ask_all(
         ids,
         reach,
         seekers,
-        test: SiftTest::new(reach, &test, side),
-        room: test.room,
+        test: SiftTest::new(reach, side),
+        planes: test,
         texels: [Candidate::default(); ROOM],
         count: 0,
         lanes: u64::MAX,
@@ -100,7 +100,14 @@ impl Candidates<'_> {
     /// Adds the texels of a tile that can be the answer to those that wait. `sure` count for all
     /// receivers in reach of them.
     #[inline(always)]
-    fn add(&mut self, ops: &impl Ops, [x, y]: [u32; 2], may: u128, sure: u128) {
+    fn add(
+        &mut self,
+        ops: &impl Ops,
+        [x, y]: [u32; 2],
+        rows: &[&Row; ROWS],
+        may: u128,
+        sure: u128,
+    ) {
         let mut rest = may;
         if sure != 0 {
             rest &= !preceded(self.reach, x, y, sure);
@@ -109,23 +116,26 @@ impl Candidates<'_> {
         while rest != 0 {
             let bit = rest.trailing_zeros();
             rest &= rest - 1;
-            let (column, row) = (x + bit % COLUMNS as u32, y + bit / COLUMNS as u32);
+            let (column, row) = (bit % COLUMNS as u32, bit / COLUMNS as u32);
             if self.count == ROOM {
                 self.ask(ops);
             }
             let texel = Candidate {
-                x: column as f32 + 0.5,
-                y: row as f32 + 0.5,
-                nearness: self.map.nearness(column, row),
-                order: self.seekers.order(column, row),
+                x: (x + column) as f32 + 0.5,
+                y: (y + row) as f32 + 0.5,
+                nearness: rows[row as usize % ROWS][column as usize],
+                order: self.seekers.order(x + column, y + row),
             };
             self.texels[self.count % ROOM] = texel;
             self.count += 1;
             if sure >> bit & 1 == 1 {
                 // No receiver has its answer farther away than that.
-                let dx = (texel.x - left).max(right - texel.x);
-                let dy = (texel.y - top).max(bottom - texel.y);
-                self.test.reach_squared = self.test.reach_squared.min(dx * dx + dy * dy);
+                let dx = larger(texel.x - left, right - texel.x);
+                let dy = larger(texel.y - top, bottom - texel.y);
+                let farthest = dx * dx + dy * dy;
+                if farthest < self.test.reach_squared {
+                    self.test.reach_squared = farthest;
+                }
             }
         }
     }
@@ -174,31 +184,32 @@ impl Descent for Candidates<'_> {
         let first = [x * LEAF_WIDTH, y * LEAF_HEIGHT];
         let x = first[0].min(self.map.width() - COLUMNS as u32);
         let y = first[1].min(self.map.height() - ROWS as u32);
-        self.test.place(self.reach, x, y);
-        let [may, sure] = self.map.with_tile(x, y, |rows| ops.sift(&self.test, rows));
+        self.test.place(self.reach, &self.planes, x, y);
+        let (map, mut unpacked) = (self.map, [[0.0; COLUMNS]; ROWS]);
+        let rows = map.block(x, y, &mut unpacked);
+        let [may, sure] = ops.sift(&self.test, rows);
         if may == sure {
             let sure = self.passing(ops, [x, y], sure);
-            self.add(ops, [x, y], sure, sure);
+            self.add(ops, [x, y], &rows, sure, sure);
             return;
         }
         // Some texels lie between the planes of the receivers: each compares with its own.
         self.ask(ops);
-        let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.room);
+        let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.planes.room);
         for row in 0..ROWS {
             leaf.rows |= u32::from((may >> (row * COLUMNS)) as u16 != 0) << row;
         }
-        let (seekers, lit) = (&*self.seekers, self.test.lit);
-        let matter = self.map.with_tile(x, y, |rows| ops.matters(&leaf, rows, seekers, lit));
+        let matter = ops.matters(&leaf, rows, self.seekers, self.test.lit);
         if matter.lanes == 0 {
             return;
         }
-        let mut rows = 0;
+        let mut matters = 0;
         for row in 0..ROWS {
-            rows |= u128::from((matter.rows >> row & 1) * 0xffff) << (row * COLUMNS);
+            matters |= u128::from((matter.rows >> row & 1) * 0xffff) << (row * COLUMNS);
         }
-        let may = self.passing(ops, [x, y], may & rows);
+        let may = self.passing(ops, [x, y], may & matters);
         self.lanes = matter.lanes;
-        self.add(ops, [x, y], may, may & sure);
+        self.add(ops, [x, y], &rows, may, may & sure);
         self.ask(ops);
         self.lanes = u64::MAX;
     }

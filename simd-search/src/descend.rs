@@ -27,9 +27,13 @@ pub(crate) trait Descent {
 #[derive(Clone, Copy)]
 struct Frame {
     group: Group,
-    nodes: u32,
-    keys: [f32; LANES],
+    /// The bits of the keys of those nodes, which are in the order of the keys, for none of them is
+    /// negative; [`VISITED`] of the others.
+    keys: [u32; LANES],
 }
+
+/// After all keys.
+const VISITED: u32 = u32::MAX;
 
 /// The groups on the way down, one for each level.
 pub(crate) struct Path([Frame; MAX_LEVELS]);
@@ -37,7 +41,7 @@ pub(crate) struct Path([Frame; MAX_LEVELS]);
 impl Path {
     pub fn new() -> Self {
         let group = Group { level: 0, x: 0, y: 0, index: 0 };
-        Path([Frame { group, nodes: 0, keys: [0.0; LANES] }; MAX_LEVELS])
+        Path([Frame { group, keys: [VISITED; LANES] }; MAX_LEVELS])
     }
 }
 
@@ -65,7 +69,7 @@ pub(crate) fn descend(
         path.0[level] = visit(ops, descent, pyramid, &mut test, Group { level, x, y, index: 0 });
         loop {
             let frame = &mut path.0[level];
-            let Some(lane) = next_node(frame, descent.bound()) else {
+            let Some(lane) = next_node(ops, frame, descent.bound()) else {
                 level += 1;
                 if level > top {
                     break;
@@ -87,26 +91,20 @@ pub(crate) fn descend(
 
 /// Takes the node with the smallest key, if any can still hold an answer.
 #[inline(always)]
-fn next_node(frame: &mut Frame, bound: f32) -> Option<u32> {
-    let (mut rest, keys) = (frame.nodes, &frame.keys);
-    if rest == 0 {
-        return None;
-    }
-    let mut lane = rest.trailing_zeros();
-    rest &= rest - 1;
-    while rest != 0 {
-        let other = rest.trailing_zeros();
-        if keys[other as usize % LANES] < keys[lane as usize % LANES] {
-            lane = other;
+fn next_node(ops: &impl Ops, frame: &mut Frame, bound: f32) -> Option<u32> {
+    let mut least = frame.keys;
+    let mut count = LANES / 2;
+    while count > 0 {
+        for i in 0..count {
+            least[i] = if least[i + count] < least[i] { least[i + count] } else { least[i] };
         }
-        rest &= rest - 1;
+        count /= 2;
     }
-    // A NaN, which does not bound, comes first or has no texel that counts.
-    if keys[lane as usize % LANES] > bound {
-        frame.nodes = 0;
+    if least[0] == VISITED || f32::from_bits(least[0]) > bound {
         return None;
     }
-    frame.nodes &= !(1 << lane);
+    let lane = ops.equal(&frame.keys, least[0]).trailing_zeros();
+    frame.keys[lane as usize % LANES] = VISITED;
     Some(lane)
 }
 
@@ -120,15 +118,20 @@ fn visit(
     group: Group,
 ) -> Frame {
     let Group { level, x, y, .. } = group;
-    let mut frame = Frame { group, nodes: 0, keys: [0.0; LANES] };
+    let mut frame = Frame { group, keys: [VISITED; LANES] };
     let Some(index) = pyramid.layout.group(level, x, y) else { return frame };
     frame.group.index = index;
     descent.narrow(test);
     let verdicts = ops.group(test, &Boxes::of_group(level, x, y), &pyramid.nodes[index]);
-    frame.keys = verdicts.keys;
-    frame.nodes = verdicts.of(descent.side());
-    if frame.nodes != 0 {
-        frame.nodes &= !failing(ops, pyramid, index, descent.ids());
+    let mut nodes = verdicts.of(descent.side());
+    if nodes != 0 {
+        nodes &= !failing(ops, pyramid, index, descent.ids());
+        for i in 0..LANES {
+            let key = verdicts.keys[i];
+            // A NaN, which does not bound, comes first.
+            let key = if key.is_nan() { 0 } else { key.to_bits() };
+            frame.keys[i] = if nodes >> i & 1 == 1 { key } else { VISITED };
+        }
     }
     frame
 }

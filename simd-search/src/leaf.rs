@@ -68,6 +68,9 @@ pub(crate) struct Matter {
 }
 
 /// What the kernels that sift ask of 16 x 8 texels.
+///
+/// All planes of the receivers lie between a lower and an upper bound. Either is a number for
+/// each row plus one for each column, and so is the squared distance.
 pub(crate) struct SiftTest {
     /// Centre of the first column.
     pub first: f32,
@@ -76,57 +79,59 @@ pub(crate) struct SiftTest {
     pub to: f32,
     /// Greatest squared distance from them that is of use.
     pub reach_squared: f32,
-    /// A plane, and by how much it must be exceeded by what blocks any of them and all of them,
+    /// For a column, the bounds rise by `slope` times its distance from u, and part by `spread` times
+    /// that.
     pub u: f32,
-    pub nearness: f32,
     pub slope: f32,
-    pub least: f32,
-    pub most: f32,
-    /// less or more by this for each texel away from u.
     pub spread: f32,
+    /// What blocks any of the receivers exceeds the lower bound, what blocks all of them the upper.
+    pub lower: [f32; ROWS],
+    pub upper: [f32; ROWS],
+    pub dy_squared: [f32; ROWS],
     /// Look for texels that do not block.
     pub lit: bool,
-    /// For each row, what the plane gains down the map, what `spread` adds up to, and the squared
-    /// distance.
-    pub rise: [f32; ROWS],
-    pub margin: [f32; ROWS],
-    pub dy_squared: [f32; ROWS],
 }
 
 impl SiftTest {
     /// To be placed by [`SiftTest::place`].
     #[inline(always)]
-    pub fn new(reach: &Reach, test: &GroupTest, side: Side) -> SiftTest {
+    pub fn new(reach: &Reach, side: Side) -> SiftTest {
         SiftTest {
             first: 0.0,
             from: reach.u[0],
             to: reach.u[1],
-            reach_squared: test.reach_squared,
+            reach_squared: reach.radius * reach.radius,
             u: reach.plane.u,
-            nearness: reach.plane.nearness,
             slope: reach.plane.slope.x,
-            least: test.least,
-            most: test.most,
             spread: reach.spread.x,
-            lit: side == Side::Lit,
-            rise: [0.0; ROWS],
-            margin: [0.0; ROWS],
+            lower: [0.0; ROWS],
+            upper: [0.0; ROWS],
             dy_squared: [0.0; ROWS],
+            lit: side == Side::Lit,
         }
     }
 
     /// Places the test at the tile whose first texel is (x, y).
     #[inline(always)]
-    pub fn place(&mut self, reach: &Reach, x: u32, y: u32) {
+    pub fn place(&mut self, reach: &Reach, test: &GroupTest, x: u32, y: u32) {
         self.first = x as f32 + 0.5;
         let top = y as f32 + 0.5;
+        let plane = reach.plane;
         for row in 0..ROWS {
             let y = top + row as f32;
-            let dy = y - reach.plane.v;
-            let gap = (y - reach.v[1]).max(reach.v[0] - y).max(0.0);
-            self.rise[row] = reach.plane.slope.y * dy;
-            self.margin[row] = reach.spread.y * dy.abs();
+            let dy = y - plane.v;
+            let gap = larger(larger(y - reach.v[1], reach.v[0] - y), 0.0);
+            let at_u = plane.nearness + plane.slope.y * dy;
+            let margin = reach.spread.y * dy.abs();
+            self.lower[row] = (at_u + test.least) - margin;
+            self.upper[row] = (at_u + test.most) + margin;
             self.dy_squared[row] = gap * gap;
         }
     }
+}
+
+/// `a > b ? a : b`: one instruction, where `f32::max` takes care of NaN.
+#[inline(always)]
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }

@@ -18,23 +18,28 @@ pub(crate) fn sift<V: Vectors>(v: V, test: &SiftTest, rows: [&Row; ROWS]) -> [u1
         let gap = gap(v, x, x, v.all(test.from), v.all(test.to));
         let gap_squared = v.mul(gap, gap);
         let dx = v.sub(x, v.all(test.u));
-        let rise_x = v.mul(v.all(test.slope), dx);
-        let margin_x = v.mul(v.all(test.spread), v.abs(dx));
+        let rise = v.mul(v.all(test.slope), dx);
+        let margin = v.mul(v.all(test.spread), v.abs(dx));
+        let (lower, upper) = (v.sub(rise, margin), v.add(rise, margin));
         for row in 0..ROWS {
-            let plane = v.add(v.all(test.nearness), v.add(rise_x, v.all(test.rise[row])));
-            let margin = v.add(margin_x, v.all(test.margin[row]));
-            let low = v.sub(v.add(plane, v.all(test.least)), margin);
-            let high = v.add(v.add(plane, v.all(test.most)), margin);
             let texels = load::<V, _>(rows[row], part);
             let distance = v.add(gap_squared, v.all(test.dy_squared[row]));
-            some[row] |= bits(v, v.greater(texels, low), part);
-            all[row] |= bits(v, v.greater(texels, high), part);
-            within[row] |= bits(v, v.at_most(distance, v.all(test.reach_squared)), part);
+            let near = v.at_most(distance, v.all(test.reach_squared));
+            let over_lower = v.greater(texels, v.add(lower, v.all(test.lower[row])));
+            let over_upper = v.greater(texels, v.add(upper, v.all(test.upper[row])));
+            some[row] |= bits(v, v.both(near, over_lower), part);
+            all[row] |= bits(v, v.both(near, over_upper), part);
+            if test.lit {
+                within[row] |= bits(v, near, part);
+            }
         }
     }
-    let [some, all, within] = [some, all, within].map(word);
-    let [may, sure] = if test.lit { [!all, !some] } else { [some, all] };
-    [may & within, sure & within]
+    let [some, all] = [some, all].map(word);
+    if test.lit {
+        let within = word(within);
+        return [within & !all, within & !some];
+    }
+    [some, all]
 }
 
 /// As many receivers as a vector has lanes.

@@ -47,10 +47,9 @@ fn sift(test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2] {
         for (column, &nearness) in rows[row].iter().enumerate() {
             let x = test.first + column as f32;
             let dx = x - test.u;
-            let plane = test.nearness + (test.slope * dx + test.rise[row]);
-            let margin = test.spread * dx.abs() + test.margin[row];
-            let blocks_some = nearness > (plane + test.least) - margin;
-            let blocks_all = nearness > (plane + test.most) + margin;
+            let (rise, margin) = (test.slope * dx, test.spread * dx.abs());
+            let blocks_some = nearness > (rise - margin) + test.lower[row];
+            let blocks_all = nearness > (rise + margin) + test.upper[row];
             let gap = gap(x, x, test.from, test.to);
             if gap * gap + test.dy_squared[row] <= test.reach_squared {
                 let [some, all] =
