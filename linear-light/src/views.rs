@@ -111,7 +111,7 @@ impl SampleViews {
     }
 
     fn view(&self, eye: Vec3, width: u32, height: u32) -> View {
-        View::perspective_window(eye, self.axes, self.window, width, height, self.near)
+        View::perspective_rectified(self.a, eye, self.axes, self.window, width, height, self.near)
     }
 
     fn position(&self, k: usize, samples: usize) -> Vec3 {

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3Swizzles};
 use linear_light::{MAX_FRUSTA, RectifiedLight, SampleViews};
 use proptest::prelude::*;
-use shadowmap_core::Window;
+use shadowmap_core::{View, Window};
 
 const GROUND: [Vec3; 4] = [
     Vec3::new(-5.0, 0.0, -5.0),
@@ -32,6 +32,22 @@ fn a_point_moves_along_its_row_by_the_disparity() {
             assert!((seen.v - carried.v).abs() < 1e-3);
             assert!((seen.nearness - carried.nearness).abs() < 1e-6);
             assert!(seen.slope.distance(carried.slope) < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn views_differ_in_one_constant_alone() {
+    // A skew light, where rounding would make every row a little different.
+    let (a, b) = (Vec3::new(-1.3, 4.1, 0.7), Vec3::new(2.9, 5.3, -1.1));
+    let light = RectifiedLight::fit(a, b, 5, [512, 256], GROUND.into_iter());
+    let bits = |view: &View| view.rows().map(|row| row.map(f32::to_bits));
+    for frustum in light.frusta() {
+        let first = bits(&frustum.views()[0]);
+        for view in &frustum.views()[1..] {
+            let [u, v, n, q] = bits(view);
+            assert_eq!((&u[..3], v, n, q), (&first[0][..3], first[1], first[2], first[3]));
+            assert_ne!(u[3], first[0][3]);
         }
     }
 }

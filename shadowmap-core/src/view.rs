@@ -101,7 +101,28 @@ impl View {
         height: u32,
         near: f32,
     ) -> View {
-        View::new(Projection::Perspective, eye, axes, window, width, height, [near, 0.0])
+        View::new(Projection::Perspective, [eye; 2], axes, window, width, height, [near, 0.0])
+    }
+
+    /// One of several rectified views: perspective views from places along one line, the x axis of
+    /// all, with the same image plane and window. This is the one from `eye`; `first` is the place
+    /// of one of them, the same for all.
+    ///
+    /// Such views share the rows V, N and Q, and U but for its constant. That holds to the last bit:
+    /// whatever `eye` is off the line, by rounding, counts for nothing. So what the views share can
+    /// be computed once.
+    #[must_use]
+    pub fn perspective_rectified(
+        first: Vec3,
+        eye: Vec3,
+        axes: [Vec3; 3],
+        window: Window,
+        width: u32,
+        height: u32,
+        near: f32,
+    ) -> View {
+        let eyes = [eye, first];
+        View::new(Projection::Perspective, eyes, axes, window, width, height, [near, 0.0])
     }
 
     /// An orthographic view of what lies between the depths `near` and `far`, measured from `eye`
@@ -115,7 +136,7 @@ impl View {
         height: u32,
         [near, far]: [f32; 2],
     ) -> View {
-        View::new(Projection::Orthographic, eye, axes, window, width, height, [near, far])
+        View::new(Projection::Orthographic, [eye; 2], axes, window, width, height, [near, far])
     }
 
     /// The unit vectors right, down and forward of a view along `forward` with `up` upwards in the
@@ -125,9 +146,10 @@ impl View {
         axes(forward, up)
     }
 
+    /// The second of the eyes stands for the first across the x axis.
     fn new(
         projection: Projection,
-        eye: Vec3,
+        [eye, across]: [Vec3; 2],
         axes: [Vec3; 3],
         window: Window,
         width: u32,
@@ -135,15 +157,15 @@ impl View {
         [near, far]: [f32; 2],
     ) -> View {
         let [right, down, forward] = axes.map(Vec3::as_dvec3);
-        let eye64 = eye.as_dvec3();
+        let (eye64, across64) = (eye.as_dvec3(), across.as_dvec3());
         let (near, far) = (f64::from(near), f64::from(far));
         let span_x = f64::from(window.right) - f64::from(window.left);
         let span_y = f64::from(window.bottom) - f64::from(window.top);
         let (fx, fy) = (f64::from(width) / span_x, f64::from(height) / span_y);
         let (cx, cy) = (-f64::from(window.left) * fx, -f64::from(window.top) * fy);
         // World to view coordinates x (right), y (down), z (forward), each a row over (p, 1).
-        let row = |axis: DVec3| axis.extend(-axis.dot(eye64));
-        let (x, y, z) = (row(right), row(down), row(forward));
+        let row = |axis: DVec3, from: DVec3| axis.extend(-axis.dot(from));
+        let (x, y, z) = (row(right, eye64), row(down, across64), row(forward, across64));
         let one = DVec4::W;
         let (n, q) = match projection {
             Projection::Perspective => (one, z),
