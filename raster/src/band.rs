@@ -1,5 +1,6 @@
 //! Third stage: draws what is binned into one band of rows.
 
+use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::AlphaMask;
@@ -24,10 +25,11 @@ pub(crate) struct Rows<'a> {
 }
 
 kernel! {
-    /// Draws one band from the bins of all chunks.
+    /// Draws one band from the bins that all chunks have for a view.
     fn draw_band(
         rows: &mut Rows<'_>,
-        chunks: &[Bins],
+        chunks: &[Vec<Bins>],
+        view: usize,
         mask: Option<&AlphaMask<'_>>,
     ) = draw_band_body
 }
@@ -36,17 +38,18 @@ kernel! {
 fn draw_band_body<S: Simd>(
     s: S,
     rows: &mut Rows<'_>,
-    chunks: &[Bins],
+    chunks: &[Vec<Bins>],
+    view: usize,
     mask: Option<&AlphaMask<'_>>,
 ) {
     // Large triangles first: where they are the first to touch a texel, it need not be cleared.
-    for bins in chunks {
+    for bins in chunks.iter().map(|bins| &bins[view]) {
         for &index in &bins.bands[rows.band].large {
             rows.large(s, &bins.large[index as usize]);
         }
     }
     rows.clear_rest(s);
-    for bins in chunks {
+    for bins in chunks.iter().map(|bins| &bins[view]) {
         let band = &bins.bands[rows.band];
         rows.fragments(&band.fragments);
         for small in &band.small {

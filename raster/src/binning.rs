@@ -10,14 +10,14 @@ use shadowmap_core::Mesh;
 use crate::bins::{Bins, Grid, Large, Masked, Small};
 use crate::clip::{Clipped, INVALID, SetUp};
 use crate::coverage::Triangle;
-use crate::lanes::{self, Lanes, Planes, inside};
+use crate::lanes::{self, Lanes, Planes, Shared, inside};
 use crate::line::clamp;
 use crate::mask::Weights;
 use crate::plain::vertices;
 use crate::plane::Plane;
 use crate::project::Projection;
 use crate::simd::{MAX_LANES, Simd, kernel, set_bits};
-use crate::vertices::{OUT_OF_RANGE, Seen, Vertices};
+use crate::vertices::{OUT_OF_RANGE, Vertices};
 use crate::{AlphaMask, Payload};
 
 /// What is drawn, and from where.
@@ -26,71 +26,130 @@ pub(crate) struct Source<'a> {
     pub(crate) mesh: Mesh<'a>,
     pub(crate) mask: Option<&'a AlphaMask<'a>>,
     pub(crate) payload: Payload,
-    pub(crate) projection: Projection,
+    /// Beside each other.
+    pub(crate) views: &'a [Projection],
     pub(crate) vertices: &'a Vertices,
     pub(crate) grid: Grid,
 }
 
 kernel! {
-    /// Sorts the triangles from index `first` to before `end` into `bins`.
-    fn bin(source: &Source<'_>, first: usize, end: usize, bins: &mut Bins) = bin_body
+    /// Sorts the triangles from index `first` to before `end` into the `bins` of each view.
+    fn bin(source: &Source<'_>, first: usize, end: usize, bins: &mut [Bins]) = bin_body
 }
 
+/// Vectors of triangles that go through a step together, so that what a step waits for is long
+/// there when the next one needs it.
+const BLOCK: usize = 8;
+
 #[inline(always)]
-fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: &mut Bins) {
-    let mut first = first;
-    while first + S::LANES <= end {
-        let triangles = &source.mesh.triangles[first..first + S::LANES];
-        bin_group(s, source, first, triangles, S::LANES, bins);
-        first += S::LANES;
-    }
-    if first < end {
-        // Triangles past the end are points, which have no area.
-        let mut triangles = [[0; 3]; MAX_LANES];
-        triangles[..end - first].copy_from_slice(&source.mesh.triangles[first..end]);
-        bin_group(s, source, first, &triangles[..S::LANES], end - first, bins);
+fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: &mut [Bins]) {
+    let nothing = Shared::of(s, [[s.splat_f(0.0); 4]; 3], &source.grid);
+    let mut shared = [nothing; BLOCK];
+    let mut ready = [Ready::of(s, source, &source.views[0], first, 0, &nothing); BLOCK];
+    for first in (first..end).step_by(BLOCK * S::LANES) {
+        let vectors = (end - first).div_ceil(S::LANES).min(BLOCK);
+        for (index, shared) in shared[..vectors].iter_mut().enumerate() {
+            let first = first + index * S::LANES;
+            // Triangles past the end are points, which have no area.
+            let mut padded = [[0; 3]; MAX_LANES];
+            let triangles = &source.mesh.triangles[first..];
+            let triangles = if triangles.len() >= S::LANES {
+                triangles
+            } else {
+                padded[..triangles.len()].copy_from_slice(triangles);
+                &padded
+            };
+            fetch_ahead(s, source, first);
+            let corners = s.gather(&source.vertices.seen, triangles, OUT_OF_RANGE);
+            *shared = Shared::of(s, corners, &source.grid);
+        }
+        for (view, bins) in source.views.iter().zip(bins.iter_mut()) {
+            for (index, (ready, shared)) in ready[..vectors].iter_mut().zip(&shared).enumerate() {
+                let first = first + index * S::LANES;
+                let wanted = u32::MAX >> (32 - (end - first).min(S::LANES));
+                *ready = Ready::of(s, source, view, first, wanted, shared);
+            }
+            for (index, ready) in ready[..vectors].iter().enumerate() {
+                ready.push(s, source, view, first + index * S::LANES, bins);
+            }
+        }
     }
 }
 
-/// Sorts one vector of triangles, of which the first `count` are wanted.
+/// Fetches what vectors of triangles well after triangle `first` are going to read: most of what
+/// binning waits for is memory.
 #[inline(always)]
-fn bin_group<S: Simd>(
-    s: S,
-    source: &Source<'_>,
-    first: usize,
-    triangles: &[[u32; 3]],
-    count: usize,
-    bins: &mut Bins,
-) {
-    let seen = s.gather_pairs(&source.vertices.seen, triangles, OUT_OF_RANGE);
-    let wanted = (1 << count) - 1;
-    let lanes = Lanes::cover(s, &seen, wanted, &source.grid);
-    let Lanes { mut special, mut drawn, mut large, .. } = lanes;
-    if let Some(mask) = source.mask {
-        let masked = set_bits(drawn | large).filter(|lane| mask.is_masked(first + lane));
-        special |= masked.fold(0, |bits, lane| bits | 1 << lane);
-        drawn &= !special;
-        large &= !special;
+fn fetch_ahead<S: Simd>(s: S, source: &Source<'_>, first: usize) {
+    let Mesh { triangles, ids, .. } = source.mesh;
+    let indices = triangles.as_ptr().wrapping_add(first + 24 * S::LANES).cast::<u8>();
+    for line in (0..S::LANES * size_of::<[u32; 3]>()).step_by(64) {
+        s.prefetch_read(indices.wrapping_add(line));
     }
-    if drawn != 0 {
-        let near = s.gather(&source.vertices.nearness, triangles);
-        let planes = Planes::through(s, &seen, near);
+    s.prefetch_read(ids.as_ptr().wrapping_add(first + 48 * S::LANES).cast());
+    // A few corners stand for those around them.
+    let vertices = source.vertices.seen.as_ptr();
+    for ahead in (0..S::LANES).step_by(8) {
+        if let Some(&[a, b, c]) = triangles.get(first + 12 * S::LANES + ahead) {
+            s.prefetch_read(vertices.wrapping_add(a as usize).cast());
+            s.prefetch_read(vertices.wrapping_add(b as usize).cast());
+            s.prefetch_read(vertices.wrapping_add(c as usize).cast());
+        }
+    }
+}
+
+/// A vector of triangles in one view, set up.
+#[derive(Clone, Copy)]
+struct Ready<S: Simd> {
+    lanes: Lanes<S>,
+    planes: Planes<S>,
+    drawn: u32,
+    large: u32,
+    special: u32,
+}
+
+impl<S: Simd> Ready<S> {
+    /// The `wanted` lanes of the vector that starts with triangle `first`.
+    #[inline(always)]
+    fn of(
+        s: S,
+        source: &Source<'_>,
+        view: &Projection,
+        first: usize,
+        wanted: u32,
+        shared: &Shared<S>,
+    ) -> Ready<S> {
+        let us = shared.us(s, view.rows[0][3]);
+        let lanes = Lanes::cover(s, shared, us, wanted, &source.grid);
+        let Lanes { mut special, mut drawn, mut large, .. } = lanes;
+        if let Some(mask) = source.mask {
+            let masked = set_bits(drawn | large).filter(|lane| mask.is_masked(first + lane));
+            special |= masked.fold(0, |bits, lane| bits | 1 << lane);
+            drawn &= !special;
+            large &= !special;
+        }
+        let planes = Planes::through(s, shared, us);
         // A gradient that means nothing is left to the scalar code.
         large |= drawn & !planes.sound;
         drawn &= planes.sound;
+        Ready { lanes, planes, drawn, large, special }
+    }
+
+    #[inline(always)]
+    fn push(&self, s: S, source: &Source<'_>, view: &Projection, first: usize, bins: &mut Bins) {
+        let Ready { lanes, planes, drawn, large, special } = self;
         if lanes.tiny & drawn != 0 {
-            push_tiny(s, source, first, &lanes, lanes.tiny & drawn, &planes, bins);
+            push_tiny(s, source, first, lanes, lanes.tiny & drawn, planes, bins);
         }
         if lanes.small & drawn != 0 {
-            push_small(s, source, first, &lanes, lanes.small & drawn, &planes, bins);
+            push_small(s, source, first, lanes, lanes.small & drawn, planes, bins);
         }
-    }
-    bins.stats.drawn += drawn.count_ones() as usize;
-    for lane in set_bits(large) {
-        push_large(source, first + lane, triangles[lane], bins);
-    }
-    for lane in set_bits(special) {
-        push_special(source, first + lane, bins);
+        bins.stats.drawn += drawn.count_ones() as usize;
+        for lane in set_bits(*large) {
+            push_large(source, view, first + lane, source.mesh.triangles[first + lane], bins);
+        }
+        for lane in set_bits(*special) {
+            push_special(source, view, first + lane, bins);
+        }
     }
 }
 
@@ -229,11 +288,16 @@ fn push_small<S: Simd>(
 }
 
 #[inline(never)]
-fn push_large(source: &Source<'_>, index: usize, triangle: [u32; 3], bins: &mut Bins) {
-    let Vertices { seen, nearness } = source.vertices;
+fn push_large(
+    source: &Source<'_>,
+    view: &Projection,
+    index: usize,
+    triangle: [u32; 3],
+    bins: &mut Bins,
+) {
     let points = triangle.map(|i| {
-        let [u, v]: Seen = seen[i as usize];
-        [u, v, nearness[i as usize]]
+        let [across, scale, v, near] = source.vertices.seen[i as usize];
+        [(across + view.rows[0][3]) * scale, v, near]
     });
     if let Some(triangle) = Triangle::new(points.map(|[u, v, _]| [u, v])) {
         let payload = source.payload.of(index, source.mesh.ids);
@@ -244,11 +308,11 @@ fn push_large(source: &Source<'_>, index: usize, triangle: [u32; 3], bins: &mut 
 
 /// A triangle that needs clipping or has an alpha test.
 #[inline(never)]
-fn push_special(source: &Source<'_>, index: usize, bins: &mut Bins) {
+fn push_special(source: &Source<'_>, view: &Projection, index: usize, bins: &mut Bins) {
     let triangle = source.mesh.triangles[index];
-    // The outcodes that stand in v where u is NaN tell most of what is to know.
+    // The outcodes that stand in v where 1 / Q is NaN tell most of what is to know.
     let codes = triangle.map(|i| match source.vertices.seen.get(i as usize) {
-        Some([u, v]) if u.is_nan() => v.to_bits(),
+        Some([_, scale, v, _]) if scale.is_nan() => v.to_bits(),
         Some(_) => 0,
         None => INVALID,
     });
@@ -260,8 +324,8 @@ fn push_special(source: &Source<'_>, index: usize, bins: &mut Bins) {
         bins.stats.clipped += 1;
         return;
     }
-    let Some(vertices) = vertices(&source.projection, &source.mesh, triangle) else { return };
-    let set_up = match SetUp::of(&source.projection, vertices) {
+    let Some(vertices) = vertices(view, &source.mesh, triangle) else { return };
+    let set_up = match SetUp::of(view, vertices) {
         Clipped::Whole(set_up) => set_up,
         Clipped::Cut(set_up) => {
             bins.stats.clipped += 1;

@@ -3,6 +3,7 @@
 use crate::bins::Grid;
 use crate::coverage::{SNAP_SHIFT, SUBTEXELS};
 use crate::plane::STEEPEST;
+use crate::project::GUARD;
 use crate::simd::{MAX_LANES, Simd};
 
 /// Below this width and height, in 1/256 texel, a triangle is small: its bounds are a few vectors
@@ -17,7 +18,66 @@ pub(crate) const fn tiny<S: Simd>() -> usize {
     if S::LANES > 4 { 4 } else { 2 }
 }
 
-/// A vector of triangles, snapped, and what they cover.
+/// What all views beside each other share of a vector of triangles: rows and nearness.
+#[derive(Clone, Copy)]
+pub(crate) struct Shared<S: Simd> {
+    /// U of the corners without its constant, and 1 / Q.
+    across: [S::F; 3],
+    scale: [S::F; 3],
+    /// The bounds: first and last row, and how many 1/256 texels lie between the corners.
+    y: [S::I; 2],
+    height: S::I,
+    /// Relative to the centre of the first row, and the extent of each edge.
+    vs: [S::I; 3],
+    dy: [S::I; 3],
+    /// v and nearness of the first corner, and from there to the others.
+    start: [S::D; 2],
+    to: [[S::D; 2]; 2],
+    /// The numerator of the plane's gradient along a row.
+    slope: S::D,
+    low: S::F,
+    high: S::F,
+}
+
+impl<S: Simd> Shared<S> {
+    /// From what is known of the three corners, see [`crate::vertices::Seen`].
+    #[inline(always)]
+    pub(crate) fn of(s: S, [a, b, c]: [[S::F; 4]; 3], grid: &Grid) -> Shared<S> {
+        let vs = [snap(s, a[2]), snap(s, b[2]), snap(s, c[2])];
+        let (y, [low, high]) = bounds(s, vs, grid.height);
+        let vs = relative(s, vs, y[0]);
+        let [v, near] = [s.d_from_f(a[2]), s.d_from_f(a[3])];
+        let [dy1, dn1] = [s.sub_d(s.d_from_f(b[2]), v), s.sub_d(s.d_from_f(b[3]), near)];
+        let [dy2, dn2] = [s.sub_d(s.d_from_f(c[2]), v), s.sub_d(s.d_from_f(c[3]), near)];
+        Shared {
+            across: [a[0], b[0], c[0]],
+            scale: [a[1], b[1], c[1]],
+            y,
+            height: s.sub_i(high, low),
+            vs,
+            dy: [s.sub_i(vs[1], vs[0]), s.sub_i(vs[2], vs[1]), s.sub_i(vs[0], vs[2])],
+            start: [v, near],
+            to: [[dy1, dn1], [dy2, dn2]],
+            slope: cross(s, dn1, dy2, dn2, dy1),
+            low: s.min_f(s.min_f(a[3], b[3]), c[3]),
+            high: s.max_f(s.max_f(a[3], b[3]), c[3]),
+        }
+    }
+
+    /// u of the corners in the view whose U has this constant.
+    #[inline(always)]
+    pub(crate) fn us(&self, s: S, constant: f32) -> [S::F; 3] {
+        let constant = s.splat_f(constant);
+        let mut us = self.across;
+        for (u, scale) in us.iter_mut().zip(self.scale) {
+            *u = s.mul_f(s.add_f(*u, constant), scale);
+        }
+        us
+    }
+}
+
+/// A vector of triangles in one view, snapped, and what they cover.
+#[derive(Clone, Copy)]
 pub(crate) struct Lanes<S: Simd> {
     /// The bounds: first and last column, first and last row.
     pub(crate) x: [S::I; 2],
@@ -40,24 +100,33 @@ pub(crate) struct Lanes<S: Simd> {
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    pub(crate) fn cover(s: S, seen: &[(S::F, S::F); 3], wanted: u32, grid: &Grid) -> Lanes<S> {
-        let sum = s.add_f(s.add_f(seen[0].0, seen[1].0), seen[2].0);
-        let special = !s.bits(s.equal_f(sum, sum));
-        let us = [snap(s, seen[0].0), snap(s, seen[1].0), snap(s, seen[2].0)];
-        let vs = [snap(s, seen[0].1), snap(s, seen[1].1), snap(s, seen[2].1)];
-        let (x, wide) = bounds(s, us, grid.width);
-        let (y, high) = bounds(s, vs, grid.height);
+    pub(crate) fn cover(
+        s: S,
+        shared: &Shared<S>,
+        us: [S::F; 3],
+        wanted: u32,
+        grid: &Grid,
+    ) -> Lanes<S> {
+        let us = [snap(s, us[0]), snap(s, us[1]), snap(s, us[2])];
+        let (x, [low, high]) = bounds(s, us, grid.width);
+        let width = s.sub_i(high, low);
+        // Beyond the guard band, or a NaN, which snaps to what lies further out.
+        let guard = GUARD as i32 * SUBTEXELS;
+        let special =
+            s.or_m(s.greater_i(high, s.splat_i(guard - 1)), s.greater_i(s.splat_i(1 - guard), low));
+        let special = s.bits(special);
+        let (y, vs) = (shared.y, shared.vs);
         let empty = s.or_m(s.greater_i(x[0], x[1]), s.greater_i(y[0], y[1]));
         let in_bounds = wanted & !s.bits(empty) & !special;
         // From here on relative to the centre of the first texel. What overflows is not small.
         let us = relative(s, us, x[0]);
-        let vs = relative(s, vs, y[0]);
         let (zero, one) = (s.splat_i(0), s.splat_i(1));
-        let mut delta = [[zero; 2]; 3];
-        for (k, delta) in delta.iter_mut().enumerate() {
-            let to = (k + 1) % 3;
-            *delta = [s.sub_i(us[to], us[k]), s.sub_i(vs[to], vs[k])];
-        }
+        let [dy0, dy1, dy2] = shared.dy;
+        let mut delta = [
+            [s.sub_i(us[1], us[0]), dy0],
+            [s.sub_i(us[2], us[1]), dy1],
+            [s.sub_i(us[0], us[2]), dy2],
+        ];
         // Wound so that the edge functions are positive inside; (dx, dy) of edge 2 points back to
         // vertex 0, whence the order of the products.
         let area = s.sub_i(s.mul_i(delta[2][0], delta[0][1]), s.mul_i(delta[0][0], delta[2][1]));
@@ -79,7 +148,8 @@ impl<S: Simd> Lanes<S> {
             s.and_m(s.greater_i(tiny, s.sub_i(x[1], x[0])), s.greater_i(tiny, s.sub_i(y[1], y[0])));
         let is_tiny = s.bits(is_tiny);
         let limit = s.splat_i(small::<S>());
-        let is_small = s.bits(s.and_m(s.greater_i(limit, wide), s.greater_i(limit, high)));
+        let is_small =
+            s.bits(s.and_m(s.greater_i(limit, width), s.greater_i(limit, shared.height)));
         let is_small = if (grid.width as usize) < MAX_LANES { 0 } else { is_small };
         let flat = !s.bits(s.or_m(reversed, s.greater_i(area, zero)));
         let drawn = in_bounds & is_small & !flat;
@@ -117,18 +187,20 @@ fn snap<S: Simd>(s: S, a: S::F) -> S::I {
     s.sub_i(s.i_from_bits(shifted), s.splat_i(SNAP_SHIFT.to_bits() as i32))
 }
 
-/// First and last texel along one axis, as [`crate::coverage::centers_between`], and the extent.
+/// First and last texel along one axis, as [`crate::coverage::centers_between`], and the least and
+/// the greatest coordinate.
 #[inline(always)]
-fn bounds<S: Simd>(s: S, [a, b, c]: [S::I; 3], size: u32) -> ([S::I; 2], S::I) {
+fn bounds<S: Simd>(s: S, [a, b, c]: [S::I; 3], size: u32) -> ([S::I; 2], [S::I; 2]) {
     const HALF: i32 = SUBTEXELS / 2;
     let (low, high) = (s.min_i(s.min_i(a, b), c), s.max_i(s.max_i(a, b), c));
     let first = s.shift_right::<8>(s.add_i(low, s.splat_i(HALF - 1)));
     let last = s.shift_right::<8>(s.sub_i(high, s.splat_i(HALF)));
     let bounds = [s.max_i(first, s.splat_i(0)), s.min_i(last, s.splat_i(size as i32 - 1))];
-    (bounds, s.sub_i(high, low))
+    (bounds, [low, high])
 }
 
 /// Plane equations side by side.
+#[derive(Clone, Copy)]
 pub(crate) struct Planes<S: Simd> {
     pub(crate) a: S::D,
     pub(crate) b: S::D,
@@ -142,23 +214,17 @@ pub(crate) struct Planes<S: Simd> {
 impl<S: Simd> Planes<S> {
     /// [`Plane::through`], in the same order of operations.
     #[inline(always)]
-    pub(crate) fn through(s: S, seen: &[(S::F, S::F); 3], near: [S::F; 3]) -> Planes<S> {
-        let (x0, y0) = (s.d_from_f(seen[0].0), s.d_from_f(seen[0].1));
-        let n0 = s.d_from_f(near[0]);
-        let dx1 = s.sub_d(s.d_from_f(seen[1].0), x0);
-        let dx2 = s.sub_d(s.d_from_f(seen[2].0), x0);
-        let dy1 = s.sub_d(s.d_from_f(seen[1].1), y0);
-        let dy2 = s.sub_d(s.d_from_f(seen[2].1), y0);
-        let dn1 = s.sub_d(s.d_from_f(near[1]), n0);
-        let dn2 = s.sub_d(s.d_from_f(near[2]), n0);
+    pub(crate) fn through(s: S, shared: &Shared<S>, us: [S::F; 3]) -> Planes<S> {
+        let (x0, [y0, n0]) = (s.d_from_f(us[0]), shared.start);
+        let dx1 = s.sub_d(s.d_from_f(us[1]), x0);
+        let dx2 = s.sub_d(s.d_from_f(us[2]), x0);
+        let [[dy1, dn1], [dy2, dn2]] = shared.to;
         let scale = s.div_d(s.splat_d(1.0), cross(s, dx1, dy2, dx2, dy1));
-        let a = s.mul_d(cross(s, dn1, dy2, dn2, dy1), scale);
+        let a = s.mul_d(shared.slope, scale);
         let b = s.mul_d(cross(s, dx1, dn2, dx2, dn1), scale);
         let c = s.sub_d(n0, s.add_d(s.mul_d(a, x0), s.mul_d(b, y0)));
-        let low = s.min_f(s.min_f(near[0], near[1]), near[2]);
-        let high = s.max_f(s.max_f(near[0], near[1]), near[2]);
         let sound = is_sound(s, a) & is_sound(s, b) & is_sound(s, c);
-        Planes { a, b, c, low, high, sound }
+        Planes { a, b, c, low: shared.low, high: shared.high, sound }
     }
 }
 

@@ -13,8 +13,8 @@ use crate::strips::Strips;
 use crate::vertices::Vertices;
 use crate::{AlphaMask, DrawStats, Payload, Target};
 
-/// Draws maps. Keep one and reuse it: it owns the scratch memory, 12 bytes per vertex and, per
-/// texel of the map, at most a few dozen; after the first frame of a scene nothing is allocated.
+/// Draws maps. Keep one and reuse it: it owns the scratch memory, 16 bytes per vertex and, per
+/// texel of the maps drawn at once, at most a few dozen; after the first frame of a scene nothing is allocated.
 ///
 /// Its results equal [`crate::draw_plain`]'s bit for bit at every [`Level`], with any number of
 /// threads and in any order of the triangles.
@@ -22,8 +22,10 @@ use crate::{AlphaMask, DrawStats, Payload, Target};
 pub struct Rasterizer {
     level: Level,
     threads: Threads,
+    projections: Vec<Projection>,
     vertices: Vertices,
-    chunks: Vec<Bins>,
+    /// The bins of each chunk, one for each view.
+    chunks: Vec<Vec<Bins>>,
 }
 
 /// Parts that a batch of triangles is binned in, to share among threads.
@@ -36,7 +38,13 @@ impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
     #[must_use]
     pub fn new(level: Level, threads: Threads) -> Rasterizer {
-        Rasterizer { level, threads, vertices: Vertices::default(), chunks: Vec::new() }
+        Rasterizer {
+            level,
+            threads,
+            projections: Vec::new(),
+            vertices: Vertices::default(),
+            chunks: Vec::new(),
+        }
     }
 
     /// Draws one map of a mesh. The target is cleared first: nearness 0 and payload 0 where there
@@ -57,8 +65,11 @@ impl Rasterizer {
     }
 
     /// Draws the same mesh from several views, such as the samples of a linear light (Heidrich,
-    /// Brabec and Seidel 2000, section 3), one after the other in the same scratch memory. Returns
-    /// the sum over all maps.
+    /// Brabec and Seidel 2000, section 3). Returns the sum over all maps.
+    ///
+    /// Rectified views ([`View::perspective_rectified`]) that follow one another share one pass over
+    /// the mesh: what they have in common, rows and nearness, is computed once. That shows in the
+    /// time alone; the scratch memory then grows with the number of views.
     ///
     /// # Panics
     ///
@@ -102,51 +113,66 @@ impl Rasterizer {
             target.check(view);
         }
         let mut stats = DrawStats::default();
-        for (view, target) in views.iter().zip(targets) {
-            let drawn = self.draw_view(view, mesh, mask, payload, target);
+        let is_beside = |a: &View, b: &View| {
+            (a.width(), a.height()) == (b.width(), b.height())
+                && Projection::of(a).is_beside(&Projection::of(b))
+        };
+        let mut targets = targets;
+        for views in views.chunk_by(is_beside) {
+            let (here, rest) = targets.split_at_mut(views.len());
+            let drawn = self.draw_beside(views, mesh, mask, payload, here);
             stats.drawn += drawn.drawn;
             stats.clipped += drawn.clipped;
             stats.invalid += drawn.invalid;
+            targets = rest;
         }
         stats
     }
 
-    fn draw_view(
+    /// Draws views that lie beside each other, together.
+    fn draw_beside(
         &mut self,
-        view: &View,
+        views: &[View],
         mesh: &Mesh<'_>,
         mask: Option<&AlphaMask<'_>>,
         payload: Payload,
-        target: &mut Target<'_>,
+        targets: &mut [Target<'_>],
     ) -> DrawStats {
         let (level, threads) = (self.level, self.threads);
-        let projection = Projection::of(view);
-        self.vertices.transform(level, threads, &projection, mesh.positions);
+        let grid = Grid::new(views[0].width(), views[0].height());
+        self.projections.clear();
+        self.projections.extend(views.iter().map(Projection::of));
+        self.vertices.transform(level, threads, &self.projections, mesh.positions);
         let chunks = if threads == Threads::One { 1 } else { CHUNKS };
-        self.chunks.resize_with(chunks, Bins::default);
+        self.chunks.resize_with(chunks, Vec::new);
+        for bins in &mut self.chunks {
+            bins.resize_with(views.len().max(bins.len()), Bins::default);
+        }
         // What is binned at a time bounds the scratch memory.
-        let batch = (target.nearness.len() / 4).max(1 << 16);
-        let grid = Grid::new(view.width(), view.height());
+        let batch = (targets[0].nearness.len() / 4).max(1 << 16);
         let mut stats = DrawStats::default();
         let mut first = 0;
         loop {
             let end = mesh.triangles.len().min(first + batch);
             let per_chunk = (end - first).div_ceil(chunks).next_multiple_of(64).max(LEAST_CHUNK);
-            let vertices = &self.vertices;
-            let source = Source { mesh: *mesh, mask, payload, projection, vertices, grid };
+            let (vertices, projections) = (&self.vertices, &self.projections[..]);
+            let source = Source { mesh: *mesh, mask, payload, views: projections, vertices, grid };
             let chunks = BandSlice { data: &mut self.chunks, len: 1 };
-            for_each_band(threads, chunks, &|index, bins| {
+            for_each_band(threads, chunks, &|index, chunk| {
                 let start = end.min(first + index * per_chunk);
-                let [bins] = bins.data else { return };
-                bins.clear(grid.bands());
+                let [bins] = chunk.data else { return };
+                let bins = &mut bins[..views.len()];
+                bins.iter_mut().for_each(|bins| bins.clear(grid.bands()));
                 bin(level, &source, start, end.min(start + per_chunk), bins);
             });
-            for bins in &self.chunks {
+            for bins in self.chunks.iter().flat_map(|bins| &bins[..views.len()]) {
                 stats.drawn += bins.stats.drawn;
                 stats.clipped += bins.stats.clipped;
                 stats.invalid += bins.stats.invalid;
             }
-            self.draw_batch(grid, target, mask, first == 0);
+            for (view, target) in targets.iter_mut().enumerate() {
+                self.draw_batch(grid, view, target, mask, first == 0);
+            }
             first = end;
             if first == mesh.triangles.len() {
                 return stats;
@@ -154,10 +180,11 @@ impl Rasterizer {
         }
     }
 
-    /// Draws what is binned.
+    /// Draws what is binned for one view.
     fn draw_batch(
         &self,
         grid: Grid,
+        view: usize,
         target: &mut Target<'_>,
         mask: Option<&AlphaMask<'_>>,
         clear: bool,
@@ -175,7 +202,7 @@ impl Rasterizer {
             let kept = if clear { [0; 2] } else { [0, grid.width] };
             let (kept, strips) = ([kept; MAX_ROWS], Strips::EMPTY);
             let mut rows = Rows { grid, band, kept, strips, nearness, payload };
-            draw_band(self.level, &mut rows, &self.chunks, mask);
+            draw_band(self.level, &mut rows, &self.chunks, view, mask);
         });
     }
 }

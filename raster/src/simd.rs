@@ -151,6 +151,10 @@ pub(crate) trait Simd: Copy {
     #[inline(always)]
     fn prefetch(self, _at: *const u8) {}
 
+    /// Fetches what is soon to be read. The address need not be valid.
+    #[inline(always)]
+    fn prefetch_read(self, _at: *const u8) {}
+
     /// Stores the lanes of `m` and leaves the others as they are.
     #[inline(always)]
     fn blend_f(self, to: &mut [f32], m: Self::M, a: Self::F) {
@@ -164,40 +168,25 @@ pub(crate) trait Simd: Copy {
         self.store_u(to, self.select_i(m, a, old));
     }
 
-    /// The two parts of the table's entry for each corner of the first `LANES` triangles;
+    /// The four parts of the table's entry for each corner of the first `LANES` triangles;
     /// `missing` where the index is out of range.
     #[inline(always)]
-    fn gather_pairs(
+    fn gather(
         self,
-        table: &[[f32; 2]],
+        table: &[[f32; 4]],
         triangles: &[[u32; 3]],
-        missing: [f32; 2],
-    ) -> [(Self::F, Self::F); 3] {
-        let mut parts = [[[0.0; MAX_LANES]; 2]; 3];
+        missing: [f32; 4],
+    ) -> [[Self::F; 4]; 3] {
+        let mut parts = [[[0.0; MAX_LANES]; 4]; 3];
         for (lane, triangle) in triangles[..Self::LANES].iter().enumerate() {
             for (parts, &index) in parts.iter_mut().zip(triangle) {
-                let [a, b] = table.get(index as usize).copied().unwrap_or(missing);
-                (parts[0][lane], parts[1][lane]) = (a, b);
+                let entry = table.get(index as usize).unwrap_or(&missing);
+                for (part, value) in parts.iter_mut().zip(entry) {
+                    part[lane] = *value;
+                }
             }
         }
-        [
-            (self.load_f(&parts[0][0]), self.load_f(&parts[0][1])),
-            (self.load_f(&parts[1][0]), self.load_f(&parts[1][1])),
-            (self.load_f(&parts[2][0]), self.load_f(&parts[2][1])),
-        ]
-    }
-
-    /// The table's entry for each corner of the first `LANES` triangles; 0 where the index is out
-    /// of range.
-    #[inline(always)]
-    fn gather(self, table: &[f32], triangles: &[[u32; 3]]) -> [Self::F; 3] {
-        let mut values = [[0.0; MAX_LANES]; 3];
-        for (lane, triangle) in triangles[..Self::LANES].iter().enumerate() {
-            for (values, &index) in values.iter_mut().zip(triangle) {
-                values[lane] = table.get(index as usize).copied().unwrap_or(0.0);
-            }
-        }
-        [self.load_f(&values[0]), self.load_f(&values[1]), self.load_f(&values[2])]
+        parts.map(|corner| corner.map(|part| self.load_f(&part)))
     }
 
     /// Stores the lanes whose bits are set, one after the other. All of the first `LANES` elements

@@ -1,4 +1,4 @@
-//! First stage: every vertex to texel space, once.
+//! First stage: every vertex to texel space, once for all views beside each other.
 
 use alloc::vec::Vec;
 
@@ -9,46 +9,47 @@ use crate::clip::{INVALID, outcode};
 use crate::project::Projection;
 use crate::simd::{Simd, kernel};
 
-/// A vertex as triangles need it, u and v together since they are always read together.
+/// A vertex as triangles need it: U without its constant, 1 / Q, v and nearness. Only the first
+/// differs among views beside each other, by the constant of their U; so u is left to the second
+/// stage, and all views read the same.
 ///
-/// A vertex that needs clipping has a NaN for u and its outcode in the bits of v, so that
-/// telling the two apart costs the common case nothing.
-pub(crate) type Seen = [f32; 2];
+/// A vertex that needs clipping in the first and the last view has a NaN for 1 / Q and, in the bits
+/// of v, what is set in its outcodes in all views; so telling the two apart costs the common case
+/// nothing.
+pub(crate) type Seen = [f32; 4];
 
 /// What stands for a vertex whose index is out of range.
-pub(crate) const OUT_OF_RANGE: Seen = [f32::NAN, f32::from_bits(INVALID)];
+pub(crate) const OUT_OF_RANGE: Seen = [f32::NAN, f32::NAN, f32::from_bits(INVALID), f32::NAN];
 
-/// Vertices of a mesh as one view sees them. Reused between frames.
+/// Vertices of a mesh as views beside each other see them. Reused between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Vertices {
     pub(crate) seen: Vec<Seen>,
-    pub(crate) nearness: Vec<f32>,
 }
 
 /// Vertices per unit of work.
 const CHUNK: usize = 4096;
 
 impl Vertices {
+    /// `views` lie beside each other; there is at least one.
     pub(crate) fn transform(
         &mut self,
         level: Level,
         threads: Threads,
-        projection: &Projection,
+        views: &[Projection],
         positions: &[Vec3],
     ) {
-        self.seen.resize(positions.len(), [0.0; 2]);
-        self.nearness.resize(positions.len(), 0.0);
-        let bands = (
-            BandSlice { data: &mut self.seen, len: CHUNK },
-            BandSlice { data: &mut self.nearness, len: CHUNK },
-        );
-        for_each_band(threads, bands, &|index, (seen, nearness)| {
+        self.seen.resize(positions.len(), [0.0; 4]);
+        let bands = BandSlice { data: &mut self.seen, len: CHUNK };
+        for_each_band(threads, bands, &|index, seen| {
             let positions = &positions[index * CHUNK..][..seen.data.len()];
-            project(level, projection, positions, seen.data, nearness.data);
+            project(level, views, positions, seen.data);
             for (seen, position) in seen.data.iter_mut().zip(positions) {
-                if seen[0].is_nan() {
-                    let code = outcode(projection.homogeneous(*position), projection.max_nearness);
-                    seen[1] = f32::from_bits(code);
+                if seen[1].is_nan() {
+                    let codes = views
+                        .iter()
+                        .map(|view| outcode(view.homogeneous(*position), view.max_nearness));
+                    seen[2] = f32::from_bits(codes.fold(u32::MAX, |all, code| all & code));
                 }
             }
         });
@@ -56,28 +57,20 @@ impl Vertices {
 }
 
 kernel! {
-    /// Projects `positions`; u is NaN where a vertex needs clipping.
-    fn project(
-        projection: &Projection,
-        positions: &[Vec3],
-        seen: &mut [Seen],
-        nearness: &mut [f32],
-    ) = project_body
+    /// Projects `positions`; 1 / Q is NaN where a vertex needs clipping.
+    fn project(views: &[Projection], positions: &[Vec3], seen: &mut [Seen]) = project_body
 }
 
 /// Written lane by lane: the compiler makes vectors of it.
 #[inline(always)]
-fn project_body<S: Simd>(
-    _: S,
-    projection: &Projection,
-    positions: &[Vec3],
-    seen: &mut [Seen],
-    nearness: &mut [f32],
-) {
-    let projection = *projection;
-    for ((position, seen), nearness) in positions.iter().zip(seen).zip(nearness) {
-        let ([u, v, n], inside) = projection.project(projection.homogeneous(*position));
-        *seen = [if inside { u } else { f32::NAN }, v];
-        *nearness = n;
+fn project_body<S: Simd>(_: S, views: &[Projection], positions: &[Vec3], seen: &mut [Seen]) {
+    let (first, last) = (views[0], views[views.len() - 1]);
+    for (position, seen) in positions.iter().zip(seen) {
+        let homogeneous = first.homogeneous(*position);
+        let ([_, v, n], inside_first) = first.project(homogeneous);
+        let (_, inside_last) = last.project(last.homogeneous(*position));
+        let scale = 1.0 / homogeneous[3];
+        let scale = if inside_first | inside_last { scale } else { f32::NAN };
+        *seen = [first.across(*position), scale, v, n];
     }
 }

@@ -5,7 +5,7 @@ mod support;
 
 use raster::{AlphaMask, DepthBuffer, DrawStats, Payload, Rasterizer, draw_plain};
 use shadowmap_core::{Level, Threads, View};
-use support::{Random, Soup, soup, torture, views};
+use support::{Random, Soup, rectified_views, soup, torture, views};
 
 fn plain(
     view: &View,
@@ -140,6 +140,39 @@ fn several_views_at_once_and_scratch_memory_used_before() {
                     let (expected, _) = plain(view, soup, None, Payload::ObjectId);
                     assert_same(map, &expected, level.kind().name());
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn views_beside_each_other() {
+    let soups = [soup(&mut Random(1), 70_000, 0.05), torture(&mut Random(4), 1500)];
+    // Apart, not beside each other, all in one place.
+    let apart: Vec<View> = views()[..2].iter().copied().chain(rectified_views()).collect();
+    let one_place = vec![rectified_views()[2]; 3];
+    for soup in &soups {
+        for views in [rectified_views(), apart.clone(), one_place.clone()] {
+            let expected: Vec<_> =
+                views.iter().map(|view| plain(view, soup, None, Payload::TriangleIndex)).collect();
+            for level in Level::available() {
+                let mut rasterizer = Rasterizer::new(level, Threads::Pool);
+                let mut maps: Vec<_> = views.iter().map(dirty).collect();
+                let mut targets: Vec<_> = maps.iter_mut().map(DepthBuffer::target).collect();
+                let found = rasterizer.draw_many(
+                    &views,
+                    &soup.mesh(),
+                    Payload::TriangleIndex,
+                    &mut targets,
+                );
+                let mut sum = DrawStats::default();
+                for (index, (map, (expected, stats))) in maps.iter().zip(&expected).enumerate() {
+                    assert_same(map, expected, &format!("{} {index}", level.kind().name()));
+                    sum.drawn += stats.drawn;
+                    sum.clipped += stats.clipped;
+                    sum.invalid += stats.invalid;
+                }
+                assert_eq!(found, sum);
             }
         }
     }

@@ -87,12 +87,12 @@ impl Simd for Avx2 {
             _mm256_storeu_pd(to[4..8].as_mut_ptr(), a[1]);
         };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
+        prefetch_read(at: *const u8) = _mm_prefetch::<_MM_HINT_T0>(at.cast());
 
-        gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
-            -> [(F, F); 3] = [
-            gather_pairs(table, triangles, 0, missing),
-            gather_pairs(table, triangles, 1, missing),
-            gather_pairs(table, triangles, 2, missing),
+        gather(table: &[[f32; 4]], triangles: &[[u32; 3]], missing: [f32; 4]) -> [[F; 4]; 3] = [
+            gather(table, triangles, 0, missing),
+            gather(table, triangles, 1, missing),
+            gather(table, triangles, 2, missing),
         ];
     }
 
@@ -134,19 +134,22 @@ impl Simd for Avx2 {
 
 #[inline]
 #[target_feature(enable = "avx2")]
-fn gather_pairs(
-    table: &[[f32; 2]],
-    triangles: &[[u32; 3]],
-    corner: usize,
-    missing: [f32; 2],
-) -> (F, F) {
+fn gather(table: &[[f32; 4]], triangles: &[[u32; 3]], corner: usize, missing: [f32; 4]) -> [F; 4] {
     let triangles = &triangles[..8];
-    let pair = |lane: usize| -> f64 {
-        let index = triangles[lane][corner] as usize;
-        bytemuck::cast(table.get(index).copied().unwrap_or(missing))
+    let entry = |lane: usize| -> __m128 {
+        let entry = table.get(triangles[lane][corner] as usize).unwrap_or(&missing);
+        // SAFETY: an entry has four numbers.
+        unsafe { _mm_loadu_ps(entry.as_ptr()) }
     };
-    // In the order that the shuffles, which work on halves, put right.
-    let a = _mm256_castpd_ps(_mm256_setr_pd(pair(0), pair(1), pair(4), pair(5)));
-    let b = _mm256_castpd_ps(_mm256_setr_pd(pair(2), pair(3), pair(6), pair(7)));
-    (_mm256_shuffle_ps::<0b10_00_10_00>(a, b), _mm256_shuffle_ps::<0b11_01_11_01>(a, b))
+    // Two 4 x 4 matrices, transposed side by side.
+    let rows = |lane: usize| _mm256_set_m128(entry(lane + 4), entry(lane));
+    let (r0, r1, r2, r3) = (rows(0), rows(1), rows(2), rows(3));
+    let (a, b) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+    let (c, d) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+    [
+        _mm256_shuffle_ps::<0b01_00_01_00>(a, c),
+        _mm256_shuffle_ps::<0b11_10_11_10>(a, c),
+        _mm256_shuffle_ps::<0b01_00_01_00>(b, d),
+        _mm256_shuffle_ps::<0b11_10_11_10>(b, d),
+    ]
 }

@@ -94,19 +94,11 @@ impl Simd for Avx512 {
         blend_u(to: &mut [u32], m: M, a: I) =
             _mm512_mask_storeu_epi32(to[..16].as_mut_ptr().cast(), m, a);
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
+        prefetch_read(at: *const u8) = _mm_prefetch::<_MM_HINT_T0>(at.cast());
 
-        gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
-            -> [(F, F); 3] = {
+        gather(table: &[[f32; 4]], triangles: &[[u32; 3]], missing: [f32; 4]) -> [[F; 4]; 3] = {
             let [a, b, c] = corner_indices(triangles);
-            [
-                gather_pairs(table, a, missing),
-                gather_pairs(table, b, missing),
-                gather_pairs(table, c, missing),
-            ]
-        };
-        gather(table: &[f32], triangles: &[[u32; 3]]) -> [F; 3] = {
-            let [a, b, c] = corner_indices(triangles);
-            [gather(table, a), gather(table, b), gather(table, c)]
+            [gather(table, a, missing), gather(table, b, missing), gather(table, c, missing)]
         };
         compress_u(to: &mut [u32], bits: u32, a: I) = _mm512_storeu_epi32(
             to[..16].as_mut_ptr().cast(),
@@ -231,37 +223,31 @@ fn corner_indices(triangles: &[[u32; 3]]) -> [I; 3] {
 
 #[inline]
 #[target_feature(enable = "avx512f,avx512dq")]
-fn gather_pairs(table: &[[f32; 2]], index: I, missing: [f32; 2]) -> (F, F) {
-    let inside = _mm512_cmplt_epu32_mask(index, length(table.len()));
-    let missing = _mm512_set1_pd(bytemuck::cast(missing));
-    let (low, high) = (_mm512_castsi512_si256(index), _mm512_extracti32x8_epi32::<1>(index));
-    let pairs = table.as_ptr().cast();
-    // SAFETY: only entries inside of the table are read.
-    let (a, b) = unsafe {
-        (
-            _mm512_mask_i32gather_pd::<8>(missing, inside as __mmask8, low, pairs),
-            _mm512_mask_i32gather_pd::<8>(missing, (inside >> 8) as __mmask8, high, pairs),
-        )
-    };
-    let (a, b) = (_mm512_castpd_ps(a), _mm512_castpd_ps(b));
+fn gather(table: &[[f32; 4]], index: I, missing: [f32; 4]) -> [F; 4] {
+    // In pairs, of which the table has twice as many. Gathers take indices as signed: what lies
+    // beyond counts as out of range.
+    let length = _mm512_set1_epi32(table.len().min(i32::MAX as usize / 2) as i32);
+    let inside = _mm512_cmplt_epu32_mask(index, length);
+    let pair = _mm512_add_epi32(index, index);
+    let (low, high) = (_mm512_castsi512_si256(pair), _mm512_extracti32x8_epi32::<1>(pair));
     let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-    (_mm512_permutex2var_ps(a, even, b), _mm512_permutex2var_ps(a, odd, b))
-}
-
-#[inline]
-#[target_feature(enable = "avx512f")]
-fn gather(table: &[f32], index: I) -> F {
-    let inside = _mm512_cmplt_epu32_mask(index, length(table.len()));
-    let zero = _mm512_setzero_ps();
-    // SAFETY: only entries inside of the table are read.
-    unsafe { _mm512_mask_i32gather_ps::<4>(zero, inside, index, table.as_ptr().cast()) }
-}
-
-/// A table's length as the bound of its indices. Gathers take them as signed: what lies beyond
-/// counts as out of range.
-#[inline]
-#[target_feature(enable = "avx512f")]
-fn length(len: usize) -> I {
-    _mm512_set1_epi32(len.min(i32::MAX as usize) as i32)
+    let pairs = table.as_ptr().cast::<f64>();
+    // The closure inherits the function's instructions.
+    let parts = |half: usize| {
+        let missing: [f32; 2] = [missing[2 * half], missing[2 * half + 1]];
+        let missing = _mm512_set1_pd(bytemuck::cast(missing));
+        let pairs = pairs.wrapping_add(half);
+        // SAFETY: only entries inside of the table are read.
+        let (a, b) = unsafe {
+            (
+                _mm512_mask_i32gather_pd::<8>(missing, inside as __mmask8, low, pairs),
+                _mm512_mask_i32gather_pd::<8>(missing, (inside >> 8) as __mmask8, high, pairs),
+            )
+        };
+        let (a, b) = (_mm512_castpd_ps(a), _mm512_castpd_ps(b));
+        [_mm512_permutex2var_ps(a, even, b), _mm512_permutex2var_ps(a, odd, b)]
+    };
+    let ([a, b], [c, d]) = (parts(0), parts(1));
+    [a, b, c, d]
 }

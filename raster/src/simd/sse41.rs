@@ -87,12 +87,12 @@ impl Simd for Sse41 {
             _mm_storeu_pd(to[2..4].as_mut_ptr(), a[1]);
         };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
+        prefetch_read(at: *const u8) = _mm_prefetch::<_MM_HINT_T0>(at.cast());
 
-        gather_pairs(table: &[[f32; 2]], triangles: &[[u32; 3]], missing: [f32; 2])
-            -> [(F, F); 3] = [
-            gather_pairs(table, triangles, 0, missing),
-            gather_pairs(table, triangles, 1, missing),
-            gather_pairs(table, triangles, 2, missing),
+        gather(table: &[[f32; 4]], triangles: &[[u32; 3]], missing: [f32; 4]) -> [[F; 4]; 3] = [
+            gather(table, triangles, 0, missing),
+            gather(table, triangles, 1, missing),
+            gather(table, triangles, 2, missing),
         ];
     }
 
@@ -111,18 +111,16 @@ impl Simd for Sse41 {
 
 #[inline]
 #[target_feature(enable = "sse4.1")]
-fn gather_pairs(
-    table: &[[f32; 2]],
-    triangles: &[[u32; 3]],
-    corner: usize,
-    missing: [f32; 2],
-) -> (F, F) {
+fn gather(table: &[[f32; 4]], triangles: &[[u32; 3]], corner: usize, missing: [f32; 4]) -> [F; 4] {
     let triangles = &triangles[..4];
-    let pair = |lane: usize| -> f64 {
-        let index = triangles[lane][corner] as usize;
-        bytemuck::cast(table.get(index).copied().unwrap_or(missing))
+    let entry = |lane: usize| -> F {
+        let entry = table.get(triangles[lane][corner] as usize).unwrap_or(&missing);
+        // SAFETY: an entry has four numbers.
+        unsafe { _mm_loadu_ps(entry.as_ptr()) }
     };
-    let a = _mm_castpd_ps(_mm_setr_pd(pair(0), pair(1)));
-    let b = _mm_castpd_ps(_mm_setr_pd(pair(2), pair(3)));
-    (_mm_shuffle_ps::<0b10_00_10_00>(a, b), _mm_shuffle_ps::<0b11_01_11_01>(a, b))
+    // A 4 x 4 matrix, transposed.
+    let (r0, r1, r2, r3) = (entry(0), entry(1), entry(2), entry(3));
+    let (a, b) = (_mm_unpacklo_ps(r0, r1), _mm_unpackhi_ps(r0, r1));
+    let (c, d) = (_mm_unpacklo_ps(r2, r3), _mm_unpackhi_ps(r2, r3));
+    [_mm_movelh_ps(a, c), _mm_movehl_ps(c, a), _mm_movelh_ps(b, d), _mm_movehl_ps(d, b)]
 }

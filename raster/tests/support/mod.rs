@@ -117,6 +117,18 @@ pub fn torture(random: &mut Random, count: usize) -> Soup {
     soup
 }
 
+/// Rectified views along -z, so far apart that a triangle may need clipping in some and not in
+/// others.
+pub fn rectified_views() -> Vec<View> {
+    let axes = [Vec3::X, Vec3::NEG_Y, Vec3::NEG_Z];
+    let window = Window { left: -0.9, top: -0.6, right: 0.7, bottom: 0.8 };
+    let view = |x: f32| {
+        let eye = Vec3::new(x, 0.1, 0.3);
+        View::perspective_rectified(Vec3::new(0.0, 0.1, 0.3), eye, axes, window, 173, 141, 0.05)
+    };
+    [-1e4, -0.7, 0.0, 0.4, 30.0].map(view).to_vec()
+}
+
 /// Views from the origin along -z: perspective, off-axis, orthographic; sizes down to one texel.
 pub fn views() -> Vec<View> {
     let axes = [Vec3::X, Vec3::NEG_Y, Vec3::NEG_Z];
