@@ -1,22 +1,22 @@
 //! Second stage: which texels could each triangle cover? As many triangles at a time as a vector
-//! has lanes.
+//! has lanes, and in all views beside each other while they are at hand.
 //!
-//! Most triangles of a mesh seen from a light cover no texel centre, or a few. So the first question
-//! is answered for all lanes alike, without a branch; only where some lane covers something are
-//! plane equations set up, and the smallest triangles leave this stage as finished fragments.
+//! Most triangles of a mesh seen from a light cover no texel centre, or a few. So coverage and
+//! plane equations are found for all lanes alike, without a branch, and the smallest triangles
+//! leave this stage as finished fragments. Branches, which no one can predict here, come last.
 
 use shadowmap_core::Mesh;
 
 use crate::bins::{Bins, Grid, Large, Masked, Small};
 use crate::clip::{Clipped, INVALID, SetUp};
 use crate::coverage::Triangle;
-use crate::lanes::{self, Lanes, Planes, Shared, inside};
-use crate::line::clamp;
+use crate::lanes::{Lanes, Planes, Shared};
 use crate::mask::Weights;
 use crate::plain::vertices;
 use crate::plane::Plane;
 use crate::project::Projection;
 use crate::simd::{MAX_LANES, Simd, kernel, set_bits};
+use crate::tiny::Tiny;
 use crate::vertices::{OUT_OF_RANGE, Vertices};
 use crate::{AlphaMask, Payload};
 
@@ -49,31 +49,39 @@ fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: 
     for first in (first..end).step_by(BLOCK * S::LANES) {
         let vectors = (end - first).div_ceil(S::LANES).min(BLOCK);
         for (index, shared) in shared[..vectors].iter_mut().enumerate() {
-            let first = first + index * S::LANES;
-            // Triangles past the end are points, which have no area.
-            let mut padded = [[0; 3]; MAX_LANES];
-            let triangles = &source.mesh.triangles[first..];
-            let triangles = if triangles.len() >= S::LANES {
-                triangles
-            } else {
-                padded[..triangles.len()].copy_from_slice(triangles);
-                &padded
-            };
-            fetch_ahead(s, source, first);
-            let corners = s.gather(&source.vertices.seen, triangles, OUT_OF_RANGE);
-            *shared = Shared::of(s, corners, &source.grid);
+            *shared = gather(s, source, first + index * S::LANES);
         }
         for (view, bins) in source.views.iter().zip(bins.iter_mut()) {
-            for (index, (ready, shared)) in ready[..vectors].iter_mut().zip(&shared).enumerate() {
+            let ready = &mut ready[..vectors];
+            for (index, (ready, shared)) in ready.iter_mut().zip(&shared).enumerate() {
                 let first = first + index * S::LANES;
                 let wanted = u32::MAX >> (32 - (end - first).min(S::LANES));
                 *ready = Ready::of(s, source, view, first, wanted, shared);
             }
-            for (index, ready) in ready[..vectors].iter().enumerate() {
+            for ready in &mut *ready {
+                let tiny = ready.lanes.tiny & ready.drawn;
+                ready.tiny = Tiny::of(s, &ready.lanes, tiny, &source.grid);
+            }
+            for (index, ready) in ready.iter().enumerate() {
                 ready.push(s, source, view, first + index * S::LANES, bins);
             }
         }
     }
+}
+
+/// What all views share of the vector that starts with triangle `first`. Triangles past the end
+/// are points, which have no area.
+#[inline(always)]
+fn gather<S: Simd>(s: S, source: &Source<'_>, first: usize) -> Shared<S> {
+    fetch_ahead(s, source, first);
+    let mut padded = [[0; 3]; MAX_LANES];
+    let mut triangles = &source.mesh.triangles[first..];
+    if triangles.len() < S::LANES {
+        padded[..triangles.len()].copy_from_slice(triangles);
+        triangles = &padded;
+    }
+    let corners = s.gather(&source.vertices.seen, triangles, OUT_OF_RANGE);
+    Shared::of(s, corners, &source.grid)
 }
 
 /// Fetches what vectors of triangles well after triangle `first` are going to read: most of what
@@ -102,13 +110,15 @@ fn fetch_ahead<S: Simd>(s: S, source: &Source<'_>, first: usize) {
 struct Ready<S: Simd> {
     lanes: Lanes<S>,
     planes: Planes<S>,
+    tiny: Tiny,
     drawn: u32,
     large: u32,
     special: u32,
 }
 
 impl<S: Simd> Ready<S> {
-    /// The `wanted` lanes of the vector that starts with triangle `first`.
+    /// The `wanted` lanes of the vector that starts with triangle `first`, but what the tiny ones
+    /// cover.
     #[inline(always)]
     fn of(
         s: S,
@@ -131,14 +141,15 @@ impl<S: Simd> Ready<S> {
         // A gradient that means nothing is left to the scalar code.
         large |= drawn & !planes.sound;
         drawn &= planes.sound;
-        Ready { lanes, planes, drawn, large, special }
+        Ready { lanes, planes, tiny: Tiny::NONE, drawn, large, special }
     }
 
     #[inline(always)]
     fn push(&self, s: S, source: &Source<'_>, view: &Projection, first: usize, bins: &mut Bins) {
-        let Ready { lanes, planes, drawn, large, special } = self;
-        if lanes.tiny & drawn != 0 {
-            push_tiny(s, source, first, lanes, lanes.tiny & drawn, planes, bins);
+        let Ready { lanes, planes, tiny, drawn, large, special } = self;
+        if tiny.is_any() {
+            let payload = payloads(s, source, first);
+            tiny.push(s, lanes, planes, payload, &source.grid, bins);
         }
         if lanes.small & drawn != 0 {
             push_small(s, source, first, lanes, lanes.small & drawn, planes, bins);
@@ -168,71 +179,6 @@ fn payloads<S: Simd>(s: S, source: &Source<'_>, first: usize) -> S::I {
             let mut padded = [0; MAX_LANES];
             padded[..ids.len()].copy_from_slice(ids);
             s.load_u(&padded)
-        }
-    }
-}
-
-/// Turns tiny triangles into fragments: texel by texel of their bounds, all lanes alike.
-#[inline(always)]
-fn push_tiny<S: Simd>(
-    s: S,
-    source: &Source<'_>,
-    first: usize,
-    lanes: &Lanes<S>,
-    tiny: u32,
-    planes: &Planes<S>,
-    bins: &mut Bins,
-) {
-    let grid = &source.grid;
-    let payload = payloads(s, source, first);
-    let (columns, rows) = (s.sub_i(lanes.x[1], lanes.x[0]), s.sub_i(lanes.y[1], lanes.y[0]));
-    let (one, half) = (s.splat_d(1.0), s.splat_d(0.5));
-    let px = s.add_d(s.d_from_f(s.f_from_i(lanes.x[0])), half);
-    let mut py = s.add_d(s.d_from_f(s.f_from_i(lanes.y[0])), half);
-    let (mut y, mut row_edges) = (lanes.y[0], lanes.edges);
-    for down in 0..lanes::tiny::<S>() {
-        let mut rest = tiny & s.bits(s.greater_i(rows, s.splat_i(down as i32 - 1)));
-        if rest == 0 {
-            return;
-        }
-        let row = s.add_d(s.mul_d(planes.b, py), planes.c);
-        let mut ys = [0; MAX_LANES];
-        s.store_u(&mut ys, y);
-        while rest != 0 {
-            // The lanes in the band of the first one that is left.
-            let band = ys[rest.trailing_zeros() as usize % MAX_LANES] >> grid.shift;
-            let start = (band << grid.shift) as i32;
-            let end = start + grid.rows() as i32;
-            let here =
-                s.and_m(s.greater_i(y, s.splat_i(start - 1)), s.greater_i(s.splat_i(end), y));
-            let here = rest & s.bits(here);
-            rest &= !here;
-            let fragments = &mut bins.bands[band as usize].fragments;
-            let texel = s.mul_i(s.sub_i(y, s.splat_i(start)), s.splat_i(grid.width as i32));
-            let (mut texel, mut px) = (s.add_i(texel, lanes.x[0]), px);
-            let mut edges = row_edges;
-            for right in 0..lanes::tiny::<S>() {
-                let wide = here & s.bits(s.greater_i(columns, s.splat_i(right as i32 - 1)));
-                if wide == 0 {
-                    break;
-                }
-                let covered = wide & inside(s, edges);
-                if covered != 0 {
-                    let near = s.f_from_d(s.add_d(s.mul_d(planes.a, px), row));
-                    let near = clamp(s, near, planes.low, planes.high);
-                    fragments.push(s, covered, texel, near, payload);
-                }
-                texel = s.add_i(texel, s.splat_i(1));
-                px = s.add_d(px, one);
-                for (edge, [_, dy]) in edges.iter_mut().zip(lanes.delta) {
-                    *edge = s.sub_i(*edge, s.shift_left::<8>(dy));
-                }
-            }
-        }
-        y = s.add_i(y, s.splat_i(1));
-        py = s.add_d(py, one);
-        for (edge, [dx, _]) in row_edges.iter_mut().zip(lanes.delta) {
-            *edge = s.add_i(*edge, s.shift_left::<8>(dx));
         }
     }
 }

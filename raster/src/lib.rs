@@ -68,6 +68,7 @@ mod skins;
 mod small;
 mod span;
 mod strips;
+mod tiny;
 mod vertices;
 
 pub use map::{DepthBuffer, DrawStats, Payload, Target};
