@@ -7,7 +7,7 @@ use crate::kernels::Ops;
 use crate::leaf::{Candidate, Leaf, SiftTest, larger};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::naive::reach as span;
-use crate::precedence::preceded;
+use crate::precedence::{preceded, precedes_box};
 use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup, Pyramid};
 use crate::reach::{GroupTest, Reach};
 use crate::receivers::{Seekers, WINDOW};
@@ -37,6 +37,8 @@ struct Candidates<'a> {
     texels: [Candidate; ROOM],
     count: usize,
     lanes: u64,
+    /// The centre of a texel that counts for all receivers, close to all of them.
+    sure: Option<[f32; 2]>,
 }
 
 /// Finds the answers of all receivers. False if they are better searched for one by one.
@@ -69,6 +71,7 @@ pub(crate) fn ask_all(
         texels: [Candidate::default(); ROOM],
         count: 0,
         lanes: u64::MAX,
+        sure: None,
     };
     descend(ops, pyramid, &mut candidates, test, path);
     candidates.ask(ops);
@@ -135,6 +138,7 @@ impl Candidates<'_> {
                 let farthest = dx * dx + dy * dy;
                 if farthest < self.test.reach_squared {
                     self.test.reach_squared = farthest;
+                    self.sure = Some([texel.x, texel.y]);
                 }
             }
         }
@@ -184,6 +188,13 @@ impl Descent for Candidates<'_> {
         let first = [x * LEAF_WIDTH, y * LEAF_HEIGHT];
         let x = first[0].min(self.map.width() - COLUMNS as u32);
         let y = first[1].min(self.map.height() - ROWS as u32);
+        let low = [x as f32 + 0.5, y as f32 + 0.5];
+        let high = [low[0] + (COLUMNS - 1) as f32, low[1] + (ROWS - 1) as f32];
+        if let Some(sure) = self.sure
+            && precedes_box(self.reach, sure, low, high)
+        {
+            return;
+        }
         self.test.place(self.reach, &self.planes, x, y);
         let (map, mut unpacked) = (self.map, [[0.0; COLUMNS]; ROWS]);
         let rows = map.block(x, y, &mut unpacked);

@@ -2,6 +2,7 @@
 //!
 //! A tile is a word of 128 bits here: 16 for each row, the first row in the lowest.
 
+use crate::leaf::larger;
 use crate::map::{COLUMNS, ROWS};
 use crate::reach::Reach;
 
@@ -54,4 +55,26 @@ fn sides([from, to]: [f32; 2], first: u32, size: u32) -> [u32; 2] {
     let behind = (to - first) as u32;
     let behind = behind.saturating_add(u32::from((behind as f32) < to - first));
     [before.min(size), behind.min(size)]
+}
+
+/// Whether a texel that counts for all receivers, at `sure`, is closer to each of them than any place
+/// in a box from `low` to `high`, by more than distances are rounded.
+#[inline(always)]
+pub(crate) fn precedes_box(reach: &Reach, sure: [f32; 2], low: [f32; 2], high: [f32; 2]) -> bool {
+    // By how much the square of one distance exceeds that of the other is a sum of one term for
+    // each axis. For every place of the box it is linear in the receiver's coordinate, hence
+    // greatest where the receivers end.
+    let (mut excess, mut room) = (0.0, 0.0);
+    for (axis, ends) in [reach.u, reach.v].into_iter().enumerate() {
+        let mut terms = [0.0; 2];
+        for end in 0..2 {
+            let at = ends[end];
+            let to_box = larger(larger(low[axis] - at, at - high[axis]), 0.0);
+            let squares = [(at - sure[axis]) * (at - sure[axis]), to_box * to_box];
+            terms[end] = squares[0] - squares[1];
+            room += squares[0] + squares[1];
+        }
+        excess += larger(terms[0], terms[1]);
+    }
+    excess < room * (-1.0 / 1048576.0)
 }

@@ -40,6 +40,7 @@ impl Vectors for Avx2 {
             _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_set1_epi32(b as i32)));
         both(a: M, b: M) -> M = _mm256_and_ps(a, b);
         either(a: M, b: M) -> M = _mm256_or_ps(a, b);
+        without(a: M, b: M) -> M = _mm256_andnot_ps(b, a);
         choose(m: M, a: F, b: F) -> F = _mm256_blendv_ps(b, a, m);
         bits(m: M) -> u32 = _mm256_movemask_ps(m) as u32;
     }

@@ -62,6 +62,7 @@ impl Vectors for Avx512 {
     operations! { safe:
         both(a: M, b: M) -> M = a & b;
         either(a: M, b: M) -> M = a | b;
+        without(a: M, b: M) -> M = a & !b;
         bits(m: M) -> u32 = u32::from(m);
     }
 }

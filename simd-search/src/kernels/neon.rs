@@ -36,6 +36,7 @@ impl Vectors for Neon {
         same_bits(a: F, b: u32) -> M = vceqq_u32(vreinterpretq_u32_f32(a), vdupq_n_u32(b));
         both(a: M, b: M) -> M = vandq_u32(a, b);
         either(a: M, b: M) -> M = vorrq_u32(a, b);
+        without(a: M, b: M) -> M = vbicq_u32(a, b);
         choose(m: M, a: F, b: F) -> F = vbslq_f32(m, a, b);
         bits(m: M) -> u32 = vaddvq_u32(vandq_u32(m, bytemuck::cast([1_u32, 2, 4, 8])));
     }

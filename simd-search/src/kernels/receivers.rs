@@ -34,7 +34,7 @@ pub(crate) fn sift<V: Vectors>(v: V, test: &SiftTest, rows: [&Row; ROWS]) -> [u1
             }
         }
     }
-    let [some, all] = [some, all].map(word);
+    let (some, all) = (word(some), word(all));
     if test.lit {
         let within = word(within);
         return [within & !all, within & !some];
@@ -206,19 +206,19 @@ fn ask_some<V: Vectors, const LIT: bool>(v: V, texels: &[Candidate], some: Own<V
     for texel in texels {
         let (dx, dy) = (v.sub(v.all(texel.x), u), v.sub(v.all(texel.y), w));
         let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
-        if v.bits(v.at_most(distance, best)) == 0 {
+        let near = v.at_most(distance, best);
+        if v.bits(near) == 0 {
             continue;
         }
         let rise = v.add(v.mul(slope[0], dx), v.mul(slope[1], dy));
         let plane = v.add(v.add(nearness, rise), offset);
         let blocks = v.greater(v.all(texel.nearness), plane);
-        let never = v.all(f32::INFINITY);
-        let distance =
-            if LIT { v.choose(blocks, never, distance) } else { v.choose(blocks, distance, never) };
+        let counts = if LIT { v.without(near, blocks) } else { v.both(near, blocks) };
+        // Of those at the same distance the first in row-major order is the answer.
         let order = v.all(texel.order);
-        let ties = v.both(v.at_most(distance, best), v.greater(best_order, order));
-        let precedes = v.either(v.greater(best, distance), ties);
-        best = v.smaller(distance, best);
+        let precedes = v.either(v.greater(best, distance), v.greater(best_order, order));
+        let precedes = v.both(counts, precedes);
+        best = v.choose(precedes, distance, best);
         best_order = v.choose(precedes, order, best_order);
     }
     [best, best_order]

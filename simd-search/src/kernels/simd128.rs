@@ -36,6 +36,7 @@ impl Vectors for Simd128 {
         same_bits(a: F, b: u32) -> M = u32x4_eq(a, u32x4_splat(b));
         both(a: M, b: M) -> M = v128_and(a, b);
         either(a: M, b: M) -> M = v128_or(a, b);
+        without(a: M, b: M) -> M = v128_andnot(a, b);
         choose(m: M, a: F, b: F) -> F = v128_bitselect(a, b, m);
         bits(m: M) -> u32 = u32::from(u32x4_bitmask(m));
     }

@@ -40,6 +40,7 @@ impl Vectors for Sse41 {
             _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_castps_si128(a), _mm_set1_epi32(b as i32)));
         both(a: M, b: M) -> M = _mm_and_ps(a, b);
         either(a: M, b: M) -> M = _mm_or_ps(a, b);
+        without(a: M, b: M) -> M = _mm_andnot_ps(b, a);
         choose(m: M, a: F, b: F) -> F = _mm_blendv_ps(b, a, m);
         bits(m: M) -> u32 = _mm_movemask_ps(m) as u32;
     }

@@ -44,6 +44,8 @@ pub(crate) trait Vectors: Copy {
     fn same_bits(self, a: Self::F, b: u32) -> Self::M;
     fn both(self, a: Self::M, b: Self::M) -> Self::M;
     fn either(self, a: Self::M, b: Self::M) -> Self::M;
+    /// `a` and not `b`.
+    fn without(self, a: Self::M, b: Self::M) -> Self::M;
     /// `m ? a : b`.
     fn choose(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// Bit `i` is lane `i`.
@@ -169,8 +171,9 @@ pub(super) fn bits<V: Vectors>(v: V, mask: V::M, part: usize) -> u32 {
 #[inline(always)]
 pub(super) fn word(rows: [u32; ROWS]) -> u128 {
     let half = |i: usize| {
-        let [a, b, c, d] = [rows[i], rows[i + 1], rows[i + 2], rows[i + 3]].map(u64::from);
-        (a | b << COLUMNS) | (c << (2 * COLUMNS) | d << (3 * COLUMNS))
+        let low = u64::from(rows[i]) | u64::from(rows[i + 1]) << COLUMNS;
+        let high = u64::from(rows[i + 2]) | u64::from(rows[i + 3]) << COLUMNS;
+        low | high << (2 * COLUMNS)
     };
     u128::from(half(0)) | u128::from(half(4)) << 64
 }
