@@ -2,6 +2,8 @@
 
 use core::ops::Range;
 
+use glam::Vec2;
+
 use crate::descend::{Descent, Path, descend};
 use crate::kernels::Ops;
 use crate::leaf::{Candidate, Leaf, SiftTest, larger};
@@ -10,7 +12,7 @@ use crate::naive::reach as span;
 use crate::precedence::{preceded, precedes_box};
 use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup, Pyramid};
 use crate::reach::{GroupTest, Reach};
-use crate::receivers::{Seekers, WINDOW};
+use crate::receivers::{BATCH, Seekers, WINDOW};
 use crate::search::passing;
 use crate::walk::Group;
 use crate::{IdTest, Map, Side};
@@ -37,6 +39,9 @@ struct Candidates<'a> {
     texels: [Candidate; ROOM],
     count: usize,
     lanes: u64,
+    everyone: u64,
+    /// The receivers' planes have different slopes.
+    differ: bool,
     /// The centre of a texel that counts for all receivers, close to all of them.
     sure: Option<[f32; 2]>,
 }
@@ -61,6 +66,7 @@ pub(crate) fn ask_all(
     let [columns, rows] = window(&map, reach);
     debug_assert!(columns.len() < WINDOW as usize && rows.len() < WINDOW as usize);
     seekers.origin = [columns.start, rows.start];
+    let everyone = u64::MAX >> (BATCH - seekers.count.clamp(1, BATCH));
     let mut candidates = Candidates {
         map,
         ids,
@@ -70,7 +76,9 @@ pub(crate) fn ask_all(
         planes: test,
         texels: [Candidate::default(); ROOM],
         count: 0,
-        lanes: u64::MAX,
+        lanes: everyone,
+        everyone,
+        differ: reach.spread != Vec2::ZERO,
         sure: None,
     };
     descend(ops, pyramid, &mut candidates, test, path);
@@ -195,6 +203,16 @@ impl Descent for Candidates<'_> {
         {
             return;
         }
+        let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.planes.room);
+        let mut concerned = self.everyone;
+        if self.differ {
+            // Nobody may be concerned, although the planes of all together are.
+            self.ask(ops);
+            concerned = ops.concerned(&leaf, self.seekers, self.test.lit);
+            if concerned == 0 {
+                return;
+            }
+        }
         self.test.place(self.reach, &self.planes, x, y);
         let (map, mut unpacked) = (self.map, [[0.0; COLUMNS]; ROWS]);
         let rows = map.block(x, y, &mut unpacked);
@@ -206,11 +224,10 @@ impl Descent for Candidates<'_> {
         }
         // Some texels lie between the planes of the receivers: each compares with its own.
         self.ask(ops);
-        let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.planes.room);
         for row in 0..ROWS {
             leaf.rows |= u32::from((may >> (row * COLUMNS)) as u16 != 0) << row;
         }
-        let matter = ops.matters(&leaf, rows, self.seekers, self.test.lit);
+        let matter = ops.matters(&leaf, rows, self.seekers, concerned, self.test.lit);
         if matter.lanes == 0 {
             return;
         }
@@ -222,6 +239,6 @@ impl Descent for Candidates<'_> {
         self.lanes = matter.lanes;
         self.add(ops, [x, y], &rows, may, may & sure);
         self.ask(ops);
-        self.lanes = u64::MAX;
+        self.lanes = self.everyone;
     }
 }

@@ -79,9 +79,19 @@ impl<K: Ops> Ops for Counted<K> {
     fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
         self.ops.leaves(rows, slopes)
     }
-    fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
+    fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
         self.nodes.set(self.nodes.get() + seekers.count as u64);
-        self.ops.matters(leaf, rows, seekers, lit)
+        self.ops.concerned(leaf, seekers, lit)
+    }
+    fn matters(
+        &self,
+        leaf: &Leaf,
+        rows: [&Row; ROWS],
+        seekers: &Seekers,
+        lanes: u64,
+        lit: bool,
+    ) -> Matter {
+        self.ops.matters(leaf, rows, seekers, lanes, lit)
     }
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
         self.texels.set(self.texels.get() + (texels.len() * seekers.count) as u64);

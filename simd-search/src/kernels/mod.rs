@@ -1,4 +1,4 @@
-//! The seven operations that searches are made of, at every instruction set, and the door to them.
+//! The eight operations that searches are made of, at every instruction set, and the door to them.
 
 use core::ops::Range;
 
@@ -41,7 +41,7 @@ mod vectors;
 
 /// What the algorithms, written once, ask of an instruction set.
 ///
-/// Each instruction set makes one [`Kernels`] of seven closures inside a function with its target
+/// Each instruction set makes one [`Kernels`] of eight closures inside a function with its target
 /// features: closures have the features of the function they are made in, and everything between
 /// is `#[inline(always)]`.
 pub(crate) trait Ops {
@@ -57,31 +57,43 @@ pub(crate) trait Ops {
     /// The ranges of the texels of leaves side by side, minus planes with the given slopes through
     /// their centres.
     fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges;
-    /// The receivers that a leaf may hold the answer for, bit i for receiver i.
-    fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter;
+    /// The receivers that a leaf may hold the answer for by its bounds, bit i for receiver i.
+    fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64;
+    /// Those of the receivers in `lanes` that texels of a leaf may be the answer for, and the texels'
+    /// rows.
+    fn matters(
+        &self,
+        leaf: &Leaf,
+        rows: [&Row; ROWS],
+        seekers: &Seekers,
+        lanes: u64,
+        lit: bool,
+    ) -> Matter;
     /// Lets receivers ask each of the texels, all that have a bit in `lanes` and others.
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool);
 }
 
-/// [`Ops`] of seven closures.
-pub(crate) struct Kernels<T, S, E, G, L, M, A> {
+/// [`Ops`] of eight closures.
+pub(crate) struct Kernels<T, S, E, G, L, C, M, A> {
     pub tile: T,
     pub sift: S,
     pub equal: E,
     pub group: G,
     pub leaves: L,
+    pub concerned: C,
     pub matters: M,
     pub ask: A,
 }
 
-impl<T, S, E, G, L, M, A> Ops for Kernels<T, S, E, G, L, M, A>
+impl<T, S, E, G, L, C, M, A> Ops for Kernels<T, S, E, G, L, C, M, A>
 where
     T: Fn(&TileTest, [&Row; ROWS]) -> u128,
     S: Fn(&SiftTest, [&Row; ROWS]) -> [u128; 2],
     E: Fn(&[u32; LANES], u32) -> u32,
     G: Fn(&GroupTest, &Boxes, &NodeGroup) -> Verdicts,
     L: Fn(&[&WideRow; ROWS], &Slopes) -> Ranges,
-    M: Fn(&Leaf, [&Row; ROWS], &Seekers, bool) -> Matter,
+    C: Fn(&Leaf, &Seekers, bool) -> u64,
+    M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> Matter,
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
 {
     #[inline(always)]
@@ -105,8 +117,19 @@ where
         (self.leaves)(rows, slopes)
     }
     #[inline(always)]
-    fn matters(&self, leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
-        (self.matters)(leaf, rows, seekers, lit)
+    fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
+        (self.concerned)(leaf, seekers, lit)
+    }
+    #[inline(always)]
+    fn matters(
+        &self,
+        leaf: &Leaf,
+        rows: [&Row; ROWS],
+        seekers: &Seekers,
+        lanes: u64,
+        lit: bool,
+    ) -> Matter {
+        (self.matters)(leaf, rows, seekers, lanes, lit)
     }
     #[inline(always)]
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {

@@ -75,6 +75,16 @@ fn some<F: AnyBitPattern>(column: &[f32; BATCH], at: usize) -> F {
     pod_read_unaligned(cast_slice(&column[at..][..size_of::<F>() / size_of::<f32>()]))
 }
 
+/// [`super::Ops::concerned`].
+#[inline(always)]
+pub(crate) fn concerned<V: Vectors>(v: V, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
+    let mut lanes = 0;
+    for at in (0..seekers.count).step_by(width::<V>()) {
+        lanes |= u64::from(by_bounds(v, leaf, &Own::of(seekers, at), lit)) << at;
+    }
+    lanes
+}
+
 /// [`super::Ops::matters`].
 #[inline(always)]
 pub(crate) fn matters<V: Vectors>(
@@ -82,24 +92,24 @@ pub(crate) fn matters<V: Vectors>(
     leaf: &Leaf,
     rows: [&Row; ROWS],
     seekers: &Seekers,
+    lanes: u64,
     lit: bool,
 ) -> Matter {
+    if leaf.holds_unknown(lit) {
+        return Matter { lanes, rows: u32::MAX };
+    }
     let mut matter = Matter::default();
-    for at in (0..seekers.count).step_by(width::<V>()) {
-        let some = Own::of(seekers, at);
-        let mut lanes = by_bounds(v, leaf, &some, lit);
-        if lanes != 0 && leaf.holds_unknown(lit) {
-            matter.rows = u32::MAX;
-        } else if lanes != 0 {
-            let rows = by_texels(v, leaf, rows, &some, lit);
-            let own = lanes;
-            lanes = 0;
-            for row in 0..ROWS {
-                lanes |= own & rows[row];
-                matter.rows |= u32::from(own & rows[row] != 0) << row;
-            }
+    let width = width::<V>();
+    for at in (0..seekers.count).step_by(width) {
+        let own = (lanes >> at & ((1 << width) - 1)) as u32;
+        if own == 0 {
+            continue;
         }
-        matter.lanes |= u64::from(lanes) << at;
+        let found = by_texels(v, leaf, rows, &Own::of(seekers, at), lit);
+        for row in 0..ROWS {
+            matter.lanes |= u64::from(own & found[row]) << at;
+            matter.rows |= u32::from(own & found[row] != 0) << row;
+        }
     }
     matter
 }

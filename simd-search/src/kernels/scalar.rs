@@ -16,7 +16,7 @@ pub(crate) fn run(job: Job<'_>) {
 /// The kernels themselves.
 #[inline(always)]
 pub(crate) fn kernels() -> impl Ops {
-    Kernels { tile, sift, equal, group, leaves, matters, ask }
+    Kernels { tile, sift, equal, group, leaves, concerned, matters, ask }
 }
 
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
@@ -131,10 +131,10 @@ fn leaves(rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
     ranges
 }
 
-fn matters(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Matter {
+fn concerned(leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
     let [middle_u, middle_v] = [leaf.u, leaf.v].map(|[from, to]| (from + to) * 0.5);
     let [half_u, half_v] = [leaf.u, leaf.v].map(|[from, to]| (to - from) * 0.5);
-    let mut matter = Matter::default();
+    let mut lanes = 0;
     for i in 0..seekers.count {
         let (u, v) = (seekers.u[i], seekers.v[i]);
         let (dx, dy) = (gap(leaf.u[0], leaf.u[1], u, u), gap(leaf.v[0], leaf.v[1], v, v));
@@ -146,15 +146,20 @@ fn matters(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool) -> Mat
         let steeper_y = (leaf.slope[1] - slope_y).abs();
         let spread = steeper_x * half_u + steeper_y * half_v;
         let none = if lit { leaf.low - spread > plane } else { leaf.high + spread <= plane };
-        if near && !none {
-            let rows = if leaf.holds_unknown(lit) {
-                u32::MAX
-            } else {
-                rows_that_matter(leaf, rows, seekers, lit, i)
-            };
-            matter.rows |= rows;
-            matter.lanes |= u64::from(rows != 0) << i;
-        }
+        lanes |= u64::from(near && !none) << i;
+    }
+    lanes
+}
+
+fn matters(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool) -> Matter {
+    if leaf.holds_unknown(lit) {
+        return Matter { lanes, rows: u32::MAX };
+    }
+    let mut matter = Matter::default();
+    for i in (0..seekers.count).filter(|i| lanes >> i & 1 == 1) {
+        let rows = rows_that_matter(leaf, rows, seekers, lit, i);
+        matter.rows |= rows;
+        matter.lanes |= u64::from(rows != 0) << i;
     }
     matter
 }

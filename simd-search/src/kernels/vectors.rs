@@ -126,8 +126,11 @@ macro_rules! kernels {
                 vectors::group($v, test, boxes, nodes)
             },
             leaves: |rows: &[&WideRow; ROWS], slopes: &Slopes| vectors::leaves($v, rows, slopes),
-            matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool| {
-                receivers::matters($v, leaf, rows, seekers, lit)
+            concerned: |leaf: &Leaf, seekers: &Seekers, lit: bool| {
+                receivers::concerned($v, leaf, seekers, lit)
+            },
+            matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool| {
+                receivers::matters($v, leaf, rows, seekers, lanes, lit)
             },
             ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
                 receivers::ask($v, texels, seekers, lanes, lit)
