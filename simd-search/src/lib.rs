@@ -63,11 +63,12 @@
 //! ```
 //!
 //! Only the texels `a`, and those between the two planes, can be the answer for anyone, and none
-//! farther away than the farthest corner of the receivers' box from the best `a`. The few that are
-//! left (some 30 where a flat floor is shadowed) are asked by 16 receivers at once, one per lane. On
-//! curved surfaces many texels lie between the two planes: there each receiver first compares its
-//! own plane with the box's bounds, then with its rows, again 16 receivers at once, and
-//! only rows that matter to somebody are asked.
+//! farther away than the farthest corner of the receivers' box from the best `a`, nor in a box that
+//! is farther than it from every receiver. The few that are left (some 30 where a flat floor is
+//! shadowed) are asked by 16 receivers at once, one per lane. On curved surfaces many texels lie
+//! between the two planes: there each receiver compares its own plane with the box's bounds before
+//! any texel is looked at, then with the texels' rows, again 16 receivers at once, and only rows
+//! that matter to somebody are asked.
 //!
 //! [`Pyramid::classify`] tells only whether there are any boxes that can matter.
 //!

@@ -75,18 +75,20 @@ impl Reach {
             return None;
         }
         let mut extremes = [Extremes::NONE; 4];
+        let mut finite = [0.0; LANES];
         for chunk in 0..count.div_ceil(LANES) {
             for i in 0..4 {
-                extremes[i].add(&lanes(columns[i], chunk));
+                extremes[i].add(&lanes(columns[i], chunk), &mut finite);
             }
         }
         let [mut center, mut half] = [[0.0; 4]; 2];
         let mut ranges = [[0.0; 2]; 4];
         for i in 0..4 {
-            let [least, most] = extremes[i].fold()?;
+            let [least, most] = extremes[i].fold();
             ranges[i] = [least, most];
             center[i] = (least + most) * 0.5;
-            half[i] = (most - center[i]).max(center[i] - least);
+            let (above, below) = (most - center[i], center[i] - least);
+            half[i] = if above > below { above } else { below };
         }
         let [u, v, slope_x, slope_y] = center;
         let rise = from_slope_x[0] * (u - from_u[0]) + from_slope_y[0] * (v - from_v[0]);
@@ -101,9 +103,12 @@ impl Reach {
                 let rise = slope_x[i] * (u - from_u[i]) + slope_y[i] * (v - from_v[i]);
                 own[i] = ((nearness[i] + rise) - at_center) + offset[i];
             }
-            above.add(&own);
+            above.add(&own, &mut finite);
         }
-        let [least, most] = above.fold()?;
+        let [least, most] = above.fold();
+        if finite != [0.0; LANES] {
+            return None;
+        }
         Some(Reach {
             u: ranges[0],
             v: ranges[1],
@@ -152,30 +157,25 @@ fn lanes(column: &[f32], chunk: usize) -> [f32; LANES] {
 struct Extremes {
     least: [f32; LANES],
     most: [f32; LANES],
-    /// Becomes NaN with the first number that is not finite.
-    finite: [f32; LANES],
 }
 
 impl Extremes {
-    const NONE: Extremes = Extremes {
-        least: [f32::INFINITY; LANES],
-        most: [f32::NEG_INFINITY; LANES],
-        finite: [0.0; LANES],
-    };
+    const NONE: Extremes =
+        Extremes { least: [f32::INFINITY; LANES], most: [f32::NEG_INFINITY; LANES] };
 
+    /// Adds numbers. Those of `finite` become NaN with the first that is not finite.
     #[inline(always)]
-    fn add(&mut self, numbers: &[f32; LANES]) {
+    fn add(&mut self, numbers: &[f32; LANES], finite: &mut [f32; LANES]) {
         for i in 0..LANES {
             let number = numbers[i];
             self.least[i] = if number < self.least[i] { number } else { self.least[i] };
             self.most[i] = if number > self.most[i] { number } else { self.most[i] };
-            self.finite[i] += number * 0.0;
+            finite[i] += number * 0.0;
         }
     }
 
-    /// `None` if a number was not finite.
     #[inline(always)]
-    fn fold(&self) -> Option<[f32; 2]> {
+    fn fold(&self) -> [f32; 2] {
         let mut all = *self;
         let mut count = LANES / 2;
         while count > 0 {
@@ -184,11 +184,10 @@ impl Extremes {
                 all.least[i] =
                     if all.least[j] < all.least[i] { all.least[j] } else { all.least[i] };
                 all.most[i] = if all.most[j] > all.most[i] { all.most[j] } else { all.most[i] };
-                all.finite[i] += all.finite[j];
             }
             count /= 2;
         }
-        (all.finite[0] == 0.0).then_some([all.least[0], all.most[0]])
+        [all.least[0], all.most[0]]
     }
 }
 

@@ -73,14 +73,14 @@ type Block = Vec<Receiver>;
 #[derive(Clone, Copy)]
 struct Receiver {
     point: LightPoint,
+    offset: f32,
     side: Side,
     radius: f32,
 }
 
 impl Receiver {
     fn query(&self) -> Query {
-        let offset = Bias::default().offset(&self.point);
-        Query { side: self.side, ..Query::new(self.point, offset, self.radius) }
+        Query { side: self.side, ..Query::new(self.point, self.offset, self.radius) }
     }
 }
 
@@ -122,7 +122,8 @@ impl Lit {
                 HardShadow::Blocked => Side::Lit,
                 HardShadow::Outside => return None,
             };
-            Some(Receiver { point, side, radius: 0.0 })
+            let offset = Bias::default().offset(&point);
+            Some(Receiver { point, offset, side, radius: 0.0 })
         };
         let mut blocks = Vec::new();
         for top in (0..CAMERA).step_by(BLOCK as usize) {
