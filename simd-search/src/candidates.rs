@@ -9,7 +9,7 @@ use crate::kernels::Ops;
 use crate::leaf::{Candidate, Leaf, SiftTest, larger};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::naive::reach as span;
-use crate::precedence::{preceded, precedes_box};
+use crate::precedence::{Sure, preceded};
 use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup, Pyramid};
 use crate::reach::{GroupTest, Reach};
 use crate::receivers::{BATCH, Seekers, WINDOW};
@@ -42,8 +42,8 @@ struct Candidates<'a> {
     everyone: u64,
     /// The receivers' planes have different slopes.
     differ: bool,
-    /// The centre of a texel that counts for all receivers, close to all of them.
-    sure: Option<[f32; 2]>,
+    /// A texel that counts for all receivers, close to all of them.
+    sure: Option<Sure>,
 }
 
 /// Finds the answers of all receivers. False if they are better searched for one by one.
@@ -123,32 +123,43 @@ impl Candidates<'_> {
         if sure != 0 {
             rest &= !preceded(self.reach, x, y, sure);
         }
-        let ([left, right], [top, bottom]) = (self.reach.u, self.reach.v);
-        while rest != 0 {
-            let bit = rest.trailing_zeros();
-            rest &= rest - 1;
-            let (column, row) = (bit % COLUMNS as u32, bit / COLUMNS as u32);
-            if self.count == ROOM {
-                self.ask(ops);
-            }
-            let texel = Candidate {
-                x: (x + column) as f32 + 0.5,
-                y: (y + row) as f32 + 0.5,
-                nearness: rows[row as usize % ROWS][column as usize],
-                order: self.seekers.order(x + column, y + row),
-            };
-            self.texels[self.count % ROOM] = texel;
-            self.count += 1;
-            if sure >> bit & 1 == 1 {
-                // No receiver has its answer farther away than that.
-                let dx = larger(texel.x - left, right - texel.x);
-                let dy = larger(texel.y - top, bottom - texel.y);
-                let farthest = dx * dx + dy * dy;
-                if farthest < self.test.reach_squared {
-                    self.test.reach_squared = farthest;
-                    self.sure = Some([texel.x, texel.y]);
+        // In halves, for shifts of longer words are slow.
+        for half in 0..2 {
+            let shift = half * u64::BITS;
+            let (mut rest, sure) = ((rest >> shift) as u64, (sure >> shift) as u64);
+            while rest != 0 {
+                let bit = rest.trailing_zeros();
+                rest &= rest - 1;
+                let (column, row) = (bit % COLUMNS as u32, (shift + bit) / COLUMNS as u32);
+                if self.count == ROOM {
+                    self.ask(ops);
+                }
+                let texel = Candidate {
+                    x: (x + column) as f32 + 0.5,
+                    y: (y + row) as f32 + 0.5,
+                    nearness: rows[row as usize % ROWS][column as usize],
+                    order: self.seekers.order(x + column, y + row),
+                };
+                self.texels[self.count % ROOM] = texel;
+                self.count += 1;
+                if sure >> bit & 1 == 1 {
+                    self.add_sure(&texel);
                 }
             }
+        }
+    }
+
+    /// Takes note of a texel that counts for all receivers.
+    #[inline(always)]
+    fn add_sure(&mut self, texel: &Candidate) {
+        let ([left, right], [top, bottom]) = (self.reach.u, self.reach.v);
+        let dx = larger(texel.x - left, right - texel.x);
+        let dy = larger(texel.y - top, bottom - texel.y);
+        // No receiver has its answer farther away than that.
+        let farthest = dx * dx + dy * dy;
+        if farthest < self.test.reach_squared {
+            self.test.reach_squared = farthest;
+            self.sure = Some(Sure::new(self.reach, texel.x, texel.y));
         }
     }
 
@@ -196,11 +207,9 @@ impl Descent for Candidates<'_> {
         let first = [x * LEAF_WIDTH, y * LEAF_HEIGHT];
         let x = first[0].min(self.map.width() - COLUMNS as u32);
         let y = first[1].min(self.map.height() - ROWS as u32);
-        let low = [x as f32 + 0.5, y as f32 + 0.5];
-        let high = [low[0] + (COLUMNS - 1) as f32, low[1] + (ROWS - 1) as f32];
-        if let Some(sure) = self.sure
-            && precedes_box(self.reach, sure, low, high)
-        {
+        let center = [x as f32 + 0.5, y as f32 + 0.5];
+        let last = [center[0] + (COLUMNS - 1) as f32, center[1] + (ROWS - 1) as f32];
+        if self.sure.is_some_and(|sure| sure.precedes_tile(center, last)) {
             return;
         }
         let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.planes.room);

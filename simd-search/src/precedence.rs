@@ -57,24 +57,45 @@ fn sides([from, to]: [f32; 2], first: u32, size: u32) -> [u32; 2] {
     [before.min(size), behind.min(size)]
 }
 
-/// Whether a texel that counts for all receivers, at `sure`, is closer to each of them than any place
-/// in a box from `low` to `high`, by more than distances are rounded.
-#[inline(always)]
-pub(crate) fn precedes_box(reach: &Reach, sure: [f32; 2], low: [f32; 2], high: [f32; 2]) -> bool {
-    // By how much the square of one distance exceeds that of the other is a sum of one term for
-    // each axis. For every place of the box it is linear in the receiver's coordinate, hence
-    // greatest where the receivers end.
-    let (mut excess, mut room) = (0.0, 0.0);
-    for (axis, ends) in [reach.u, reach.v].into_iter().enumerate() {
-        let mut terms = [0.0; 2];
-        for end in 0..2 {
-            let at = ends[end];
-            let to_box = larger(larger(low[axis] - at, at - high[axis]), 0.0);
-            let squares = [(at - sure[axis]) * (at - sure[axis]), to_box * to_box];
-            terms[end] = squares[0] - squares[1];
-            room += squares[0] + squares[1];
+/// A texel that counts for all receivers.
+#[derive(Clone, Copy)]
+pub(crate) struct Sure {
+    /// Where the receivers end: their least and greatest u, their least and greatest v.
+    ends: [f32; 4],
+    /// The texel's squared distances from there, along one axis.
+    squares: [f32; 4],
+    /// A difference of squared distances below this is less than nothing in spite of all rounding.
+    less: f32,
+}
+
+impl Sure {
+    /// The texel whose centre is (x, y).
+    #[inline(always)]
+    pub fn new(reach: &Reach, x: f32, y: f32) -> Sure {
+        let ends = [reach.u[0], reach.u[1], reach.v[0], reach.v[1]];
+        let mut squares = [0.0; 4];
+        for i in 0..4 {
+            let away = ends[i] - [x, x, y, y][i];
+            squares[i] = away * away;
         }
-        excess += larger(terms[0], terms[1]);
+        let most = larger(squares[0], squares[1]) + larger(squares[2], squares[3]);
+        Sure { ends, squares, less: most * (-1.0 / 524288.0) }
     }
-    excess < room * (-1.0 / 1048576.0)
+
+    /// Whether the texel is closer to each receiver than all others of a tile, whose first and last
+    /// texels have their centres at `first` and `last`.
+    #[inline(always)]
+    pub fn precedes_tile(&self, first: [f32; 2], last: [f32; 2]) -> bool {
+        // By how much the square of one distance exceeds that of another is a sum of one term for
+        // each axis. For any place in the tile it is linear in the receiver's coordinate, hence
+        // greatest where the receivers end.
+        let first = [first[0], first[0], first[1], first[1]];
+        let last = [last[0], last[0], last[1], last[1]];
+        let mut excess = [0.0; 4];
+        for i in 0..4 {
+            let gap = larger(larger(first[i] - self.ends[i], self.ends[i] - last[i]), 0.0);
+            excess[i] = self.squares[i] - gap * gap;
+        }
+        larger(excess[0], excess[1]) + larger(excess[2], excess[3]) < self.less
+    }
 }
