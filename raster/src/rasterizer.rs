@@ -14,7 +14,7 @@ use crate::vertices::Vertices;
 use crate::{AlphaMask, DrawStats, Payload, Target};
 
 /// Draws maps. Keep one and reuse it: it owns the scratch memory, 16 bytes per vertex and, per
-/// texel of the maps drawn at once, at most a few dozen; after the first frame of a scene nothing is allocated.
+/// texel of the maps drawn at once, about a hundred at most; after the first frame of a scene nothing is allocated.
 ///
 /// Its results equal [`crate::draw_plain`]'s bit for bit at every [`Level`], with any number of
 /// threads and in any order of the triangles.
@@ -29,7 +29,7 @@ pub struct Rasterizer {
 }
 
 /// Parts that a batch of triangles is binned in, to share among threads.
-const CHUNKS: usize = 16;
+const CHUNKS: usize = 48;
 
 /// The fewest triangles that are worth a part.
 const LEAST_CHUNK: usize = 1024;
@@ -149,7 +149,7 @@ impl Rasterizer {
             bins.resize_with(views.len().max(bins.len()), Bins::default);
         }
         // What is binned at a time bounds the scratch memory.
-        let batch = (targets[0].nearness.len() / 4).max(1 << 16);
+        let batch = targets[0].nearness.len().max(1 << 16);
         let mut stats = DrawStats::default();
         let mut first = 0;
         loop {
