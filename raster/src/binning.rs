@@ -45,6 +45,7 @@ const BLOCK: usize = 8;
 fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: &mut [Bins]) {
     let nothing = Shared::of(s, [[s.splat_f(0.0); 4]; 3], &source.grid);
     let mut shared = [nothing; BLOCK];
+    let mut tiny = [Tiny::NONE; BLOCK];
     let mut ready = [Ready::of(s, source, &source.views[0], first, 0, &nothing); BLOCK];
     for first in (first..end).step_by(BLOCK * S::LANES) {
         let vectors = (end - first).div_ceil(S::LANES).min(BLOCK);
@@ -58,12 +59,11 @@ fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: 
                 let wanted = u32::MAX >> (32 - (end - first).min(S::LANES));
                 *ready = Ready::of(s, source, view, first, wanted, shared);
             }
-            for ready in &mut *ready {
-                let tiny = ready.lanes.tiny & ready.drawn;
-                ready.tiny = Tiny::of(s, &ready.lanes, tiny, &source.grid);
+            for (tiny, ready) in tiny.iter_mut().zip(&*ready) {
+                tiny.find(s, &ready.lanes, ready.lanes.tiny & ready.drawn, &source.grid);
             }
-            for (index, ready) in ready.iter().enumerate() {
-                ready.push(s, source, view, first + index * S::LANES, bins);
+            for (index, (ready, tiny)) in ready.iter().zip(&tiny).enumerate() {
+                ready.push(s, source, view, first + index * S::LANES, tiny, bins);
             }
         }
     }
@@ -110,15 +110,13 @@ fn fetch_ahead<S: Simd>(s: S, source: &Source<'_>, first: usize) {
 struct Ready<S: Simd> {
     lanes: Lanes<S>,
     planes: Planes<S>,
-    tiny: Tiny,
     drawn: u32,
     large: u32,
     special: u32,
 }
 
 impl<S: Simd> Ready<S> {
-    /// The `wanted` lanes of the vector that starts with triangle `first`, but what the tiny ones
-    /// cover.
+    /// The `wanted` lanes of the vector that starts with triangle `first`.
     #[inline(always)]
     fn of(
         s: S,
@@ -141,12 +139,20 @@ impl<S: Simd> Ready<S> {
         // A gradient that means nothing is left to the scalar code.
         large |= drawn & !planes.sound;
         drawn &= planes.sound;
-        Ready { lanes, planes, tiny: Tiny::NONE, drawn, large, special }
+        Ready { lanes, planes, drawn, large, special }
     }
 
     #[inline(always)]
-    fn push(&self, s: S, source: &Source<'_>, view: &Projection, first: usize, bins: &mut Bins) {
-        let Ready { lanes, planes, tiny, drawn, large, special } = self;
+    fn push(
+        &self,
+        s: S,
+        source: &Source<'_>,
+        view: &Projection,
+        first: usize,
+        tiny: &Tiny,
+        bins: &mut Bins,
+    ) {
+        let Ready { lanes, planes, drawn, large, special } = self;
         if tiny.is_any() {
             let payload = payloads(s, source, first);
             tiny.push(s, lanes, planes, payload, &source.grid, bins);

@@ -26,31 +26,31 @@ impl Tiny {
     pub(crate) const NONE: Tiny =
         Tiny { lanes: [0; SIDE * SIDE], any: 0, rows: [0; MAX_LANES], band: None };
 
-    /// Of the `wanted` lanes, all of them at most [`lanes::tiny`] columns and rows.
+    /// Of the `wanted` lanes, all of them at most [`lanes::tiny`] columns and rows. In place: what
+    /// is written number by number must not be copied as vectors at once.
     #[inline(always)]
-    pub(crate) fn of<S: Simd>(s: S, lanes: &Lanes<S>, wanted: u32, grid: &Grid) -> Tiny {
-        let Lanes { x, y, .. } = lanes;
-        let mut tiny = Tiny::NONE;
+    pub(crate) fn find<S: Simd>(&mut self, s: S, lanes: &Lanes<S>, wanted: u32, grid: &Grid) {
+        self.any = 0;
         if wanted == 0 {
-            return tiny;
+            return;
         }
-        s.store_u(&mut tiny.rows, y[0]);
-        let band = tiny.rows[wanted.trailing_zeros() as usize % MAX_LANES] >> grid.shift;
+        let Lanes { x, y, .. } = lanes;
+        s.store_u(&mut self.rows, y[0]);
+        let band = self.rows[wanted.trailing_zeros() as usize % MAX_LANES] >> grid.shift;
         let start = (band << grid.shift) as i32;
         let end = s.splat_i(start + grid.rows() as i32);
         let here = s.and_m(s.greater_i(y[0], s.splat_i(start - 1)), s.greater_i(end, y[1]));
-        tiny.band = (wanted & !s.bits(here) == 0).then_some(band);
-        tiny.cover::<S, 0, 0>(s, lanes, wanted);
+        self.band = (wanted & !s.bits(here) == 0).then_some(band);
+        self.cover::<S, 0, 0>(s, lanes, wanted);
         if lanes::tiny::<S>() > 2 {
             let wide = wanted & s.bits(s.greater_i(x[1], s.add_i(x[0], s.splat_i(1))));
             let high = wanted & s.bits(s.greater_i(y[1], s.add_i(y[0], s.splat_i(1))));
             if wide | high != 0 {
-                tiny.cover::<S, 0, 2>(s, lanes, wide);
-                tiny.cover::<S, 2, 0>(s, lanes, high);
-                tiny.cover::<S, 2, 2>(s, lanes, wide & high);
+                self.cover::<S, 0, 2>(s, lanes, wide);
+                self.cover::<S, 2, 0>(s, lanes, high);
+                self.cover::<S, 2, 2>(s, lanes, wide & high);
             }
         }
-        tiny
     }
 
     /// Whether anything is covered.
