@@ -19,14 +19,16 @@
 //! 1. A texel blocks only if it lies in front of the receiver's own plane, on the side that the
 //!    camera sees, by more than the [`Bias`]; so no receiver shadows itself.
 //! 2. Texels that follow each other without a step in nearness are one piece of blocker, a *run*.
-//!    It hides the parameters from the least to the greatest that one of its texels hides. A run
-//!    reaches a third of a texel beyond the centres of its outermost texels.
+//!    It hides the parameters from the least to the greatest that one of its texels hides. Beyond
+//!    the centres of its outermost texels a run goes on as it has come, by about a third of a texel,
+//!    or until it meets the receiver's plane.
 //! 3. Each part of the light between two samples is judged by both their maps: what one cannot see
 //!    behind a blocker, the other often can. Hidden is the union of all runs' intervals.
 //! 4. What lies below the receiver's horizon is hidden too, analytically. Visibility is what is left
 //!    of the light.
 //! 5. The receiver is moved along its plane into the middles of the two rows around it, and their
-//!    visibilities are blended by its distance to them: so rows leave no stairs.
+//!    visibilities are blended by its distance to them: so rows leave no stairs. A row does not count
+//!    where that would move the receiver into a blocker that stands on its plane.
 //!
 //! # What is fast
 //!
@@ -45,6 +47,7 @@
 mod adaptive;
 mod block;
 mod bounds;
+mod contact;
 mod frame;
 mod group;
 mod kernels;

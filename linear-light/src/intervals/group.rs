@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::bounds::BAND;
+use super::contact::Contact;
 use super::frame::{Facing, Frame, Frustum};
 use super::lanes::{Ops, max, min};
 use super::receivers::{Extent, Pixels, Receivers};
@@ -40,6 +41,7 @@ pub(super) struct Scratch {
     ranges: Vec<Range<usize>>,
     runs: Vec<Run>,
     runs_of: Vec<Range<usize>>,
+    contacts: Vec<Contact>,
     intervals: Vec<Interval>,
 }
 
@@ -57,6 +59,7 @@ impl Scratch {
             ranges: Vec::new(),
             runs: Vec::new(),
             runs_of: Vec::new(),
+            contacts: Vec::new(),
             intervals: Vec::new(),
         }
     }
@@ -218,6 +221,7 @@ impl Group {
             ranges,
             runs,
             runs_of,
+            contacts,
             intervals,
             ..
         } = scratch;
@@ -251,16 +255,29 @@ impl Group {
                 }
                 runs.clear();
                 runs_of.clear();
+                contacts.clear();
                 let probes = row.outermost(ops, of.clone(), tilt, y);
                 for ((sample, map), found_of) in frustum.samples.iter().zip(&*maps).zip(&*found_of)
                 {
                     let before = runs.len();
                     let search = RowSearch::new(frustum, map, &probes, self.count);
-                    scan(ops, &sample.map, &found[found_of.clone()], y, map, &search, ranges, runs);
+                    scan(
+                        ops,
+                        &sample.map,
+                        &found[found_of.clone()],
+                        y,
+                        map,
+                        &search,
+                        ranges,
+                        runs,
+                        contacts,
+                    );
                     runs_of.push(before..runs.len());
                 }
                 if !runs.is_empty() {
-                    row.judge(ops, of, y, frustum, facing, tilt, maps, runs, runs_of, intervals);
+                    row.judge(
+                        ops, of, y, frustum, facing, tilt, maps, runs, runs_of, contacts, intervals,
+                    );
                 }
             }
         }

@@ -3,9 +3,10 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::contact::Ground;
 use super::frame::{Facing, Frame, Frustum, UNKNOWN};
+use super::rows::LITTLE;
 use super::run::{Probe, Vertex};
-use super::scan::REACH;
 use super::search::Tilt;
 
 /// What each pixel of the frame's camera sees, if there is one frustum.
@@ -41,24 +42,28 @@ fn receiver(frame: &Frame<'_>, x: u32, y: u32, nearness: f32) -> f32 {
     let above = center as usize;
     let below = (above + 1).min(frustum.size[1] as usize - 1);
     let part = center - above as f32;
-    let hidden = |row: usize| {
-        let moved = w + tilt.per_row * (row as f32 + 0.5 - v);
-        hidden_in_row(frame, frustum, &facing, &tilt, [u, v, w], moved, row)
+    // What is hidden, and how much that counts.
+    let hidden = |row: usize, part: f32| {
+        let (hidden, through) = hidden_in_row(frame, frustum, &facing, &tilt, [u, v, w], row);
+        (hidden, if through { part * LITTLE } else { part })
     };
-    facing.open() - ((1.0 - part) * hidden(above) + part * hidden(below))
+    let ((a, part_a), (b, part_b)) = (hidden(above, 1.0 - part), hidden(below, part));
+    facing.open() - (part_a * a + part_b * b) / (part_a + part_b)
 }
 
-/// How much of the light one row hides from a receiver moved to nearness `moved`.
+/// How much of the light one row hides from a receiver that is moved into its middle, and whether
+/// that moved it through a blocker.
 fn hidden_in_row(
     frame: &Frame<'_>,
     frustum: &Frustum<'_>,
     facing: &Facing,
     tilt: &Tilt,
     [u, v, w]: [f32; 3],
-    moved: f32,
     y: usize,
-) -> f32 {
+) -> (f32, bool) {
+    let moved = w + tilt.per_row * (y as f32 + 0.5 - v);
     let mut hidden: Vec<[f32; 2]> = Vec::new();
+    let mut through = false;
     for (index, sample) in frustum.samples.iter().enumerate() {
         let shift = frustum.disparity * (0.5 - sample.t);
         let [a, b, c, d] = tilt.plane(sample.t, [u + shift * w, v, w]);
@@ -72,6 +77,15 @@ fn hidden_in_row(
         let probe = Probe { u: u + shift * moved, nearness: moved };
         let [from, to] = frustum.span(index);
         let (from, to) = (from.max(facing.horizon[0]), to.min(facing.horizon[1]));
+        let ground = Ground {
+            map: &sample.map,
+            y,
+            plane: [a, b, c, d],
+            bias,
+            behind: moved,
+            steepest: frustum.steepest(),
+            shift,
+        };
         let mut x = 0;
         while x < width {
             if !blocks(x) {
@@ -86,11 +100,17 @@ fn hidden_in_row(
             while x < width && blocks(x) && linked(x) {
                 x += 1;
             }
-            let ends = [(start, start as f32 + 0.5 - REACH), (x - 1, x as f32 - 0.5 + REACH)];
-            let centers = (start..x).map(|x| (x, x as f32 + 0.5));
+            let inner = [(start + 1).min(x - 1), (x - 1).max(start + 1) - 1];
+            let ends =
+                [ground.end(row, start, inner[0], -1.0), ground.end(row, x - 1, inner[1], 1.0)];
+            for contact in ends.iter().filter_map(|end| end.contact) {
+                let rows = v - (y as f32 + 0.5);
+                let [here, there] = contact.away(u, moved, tilt.per_row, rows);
+                through |= (here > 0.0) != (there > 0.0);
+            }
+            let center = |x: usize| Vertex { column: x as f32 + 0.5, nearness: row[x] };
             let mut interval = [f32::INFINITY, f32::NEG_INFINITY];
-            for (x, column) in centers.chain(ends) {
-                let vertex = Vertex { column, nearness: row[x] };
+            for vertex in (start..x).map(center).chain(ends.map(|end| end.vertex)) {
                 let t = sample.t + probe.hidden(vertex, frustum.disparity);
                 interval = [interval[0].min(t), interval[1].max(t)];
             }
@@ -106,5 +126,5 @@ fn hidden_in_row(
         length += (to - from.max(reached)).max(0.0);
         reached = reached.max(to);
     }
-    length
+    (length, through)
 }

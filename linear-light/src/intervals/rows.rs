@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::bounds::BAND;
+use super::contact::Contact;
 use super::frame::{Facing, Frustum};
 use super::group::{Blocks, Part, WIDEST};
 use super::lanes::{LANES, Lanes, Ops, lanes, max, min, within};
@@ -18,6 +19,10 @@ const BLOCK: usize = LANES * BAND;
 /// The most receivers in a group.
 const MOST: usize = BLOCK * WIDEST;
 
+/// How much a row counts for a receiver that was moved through a blocker to get there: what it sees
+/// there is asked for only if the other row is no better.
+pub(super) const LITTLE: f32 = 1.0 / 1024.0;
+
 /// Vectors are read from any receiver on.
 const ROOM: usize = MOST + LANES;
 
@@ -30,8 +35,10 @@ pub(super) struct RowReceivers {
     column: [f32; ROOM],
     row: [f32; ROOM],
     nearness: [f32; ROOM],
-    /// What is hidden from each.
+    /// What is hidden from each, row by row, times the row's part.
     hidden: [f32; ROOM],
+    /// The parts of the rows that do not count.
+    discounted: [f32; ROOM],
     /// How many rows below the first the upper row of each pixel of the group's blocks is.
     rank: [u32; MOST],
     /// Which pixel of the band each is.
@@ -48,6 +55,7 @@ impl RowReceivers {
         row: [0.0; ROOM],
         nearness: [0.0; ROOM],
         hidden: [0.0; ROOM],
+        discounted: [0.0; ROOM],
         rank: [0; MOST],
         pixel: [0; MOST],
         first: 0,
@@ -97,6 +105,7 @@ impl RowReceivers {
             });
         }
         self.hidden[..usize::from(sum) + LANES].fill(0.0);
+        self.discounted[..usize::from(sum) + LANES].fill(0.0);
     }
 
     /// The receivers for which row `y` counts: those within one row of its middle.
@@ -152,6 +161,7 @@ impl RowReceivers {
         maps: &[MapSearch],
         runs: &[Run],
         runs_of: &[Range<usize>],
+        contacts: &[Contact],
         intervals: &mut Vec<Interval>,
     ) {
         let last_row = frustum.size[1] as f32 - 1.0;
@@ -177,13 +187,24 @@ impl RowReceivers {
                 continue;
             }
             let hidden = union_length(ops, intervals, facing.horizon[0]);
-            let middle = y as f32;
-            let weight = lanes(|i| max(1.0 - (center(row[i], last_row) - middle).abs(), 0.0));
-            let mut sum = at_lanes(&self.hidden, at);
-            for i in 0..LANES {
-                sum[i] += weight[i] * hidden[i];
+            let mut part = lanes(|i| max(1.0 - (center(row[i], last_row) - y as f32).abs(), 0.0));
+            let mut moved_through = 0;
+            for contact in contacts {
+                let away = |at: usize| {
+                    lanes(|i| {
+                        let rows = row[i] - (y as f32 + 0.5);
+                        contact.away(column[i], nearness[i], tilt.per_row, rows)[at]
+                    })
+                };
+                let sides = [0, 1].map(|at| ops.greater(&away(at), &[0.0; LANES]));
+                moved_through |= sides[0] ^ sides[1];
             }
-            self.hidden[at..at + LANES].copy_from_slice(&sum);
+            if moved_through != 0 {
+                let less = ops.select(moved_through, &[1.0 - LITTLE; LANES], &[0.0; LANES]);
+                add(&mut self.discounted, at, &lanes(|i| less[i] * part[i]));
+                part = lanes(|i| part[i] - less[i] * part[i]);
+            }
+            add(&mut self.hidden, at, &lanes(|i| part[i] * hidden[i]));
         }
     }
 
@@ -191,8 +212,9 @@ impl RowReceivers {
     #[inline(always)]
     pub fn write(&self, out: &mut [f32]) {
         let count = usize::from(self.before.last().copied().unwrap_or(0));
-        for (pixel, hidden) in self.pixel.iter().zip(&self.hidden).take(count) {
-            out[*pixel as usize] = *hidden;
+        let each = self.pixel.iter().zip(&self.hidden).zip(&self.discounted);
+        for ((pixel, hidden), discounted) in each.take(count) {
+            out[*pixel as usize] = hidden / (1.0 - discounted);
         }
     }
 }
@@ -238,6 +260,13 @@ impl Sixteen {
         }
         [first, last]
     }
+}
+
+/// Adds to sixteen receivers.
+#[inline(always)]
+fn add(to: &mut [f32; ROOM], at: usize, what: &Lanes) {
+    let old = at_lanes(to, at);
+    to[at..at + LANES].copy_from_slice(&lanes(|i| old[i] + what[i]));
 }
 
 #[inline(always)]

@@ -1,9 +1,11 @@
 //! Connected pieces of blockers in a row of a map, and what each of them hides.
 
+use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::contact::{Contact, Ground};
 use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, least_lane, max, texels, within};
-use super::scan::{REACH, RowSearch};
+use super::scan::{RowSearch, row_of};
 
 /// Texels of disparity that stand for none: so few that a vertex hides no parameter of the light,
 /// but products with them are far from subnormal numbers, which are slow.
@@ -74,18 +76,33 @@ impl Vertices {
 }
 
 impl Run {
-    /// What the texels in some columns of a row hide.
+    /// What the texels in some columns of a row hide; if they stand on the receivers' plane, that is
+    /// added to `contacts`.
     #[inline(always)]
-    pub fn new(ops: impl Ops, row: &[f32], columns: Range<usize>, search: &RowSearch) -> Run {
+    pub fn new(
+        ops: impl Ops,
+        ground: &Ground<'_>,
+        columns: Range<usize>,
+        search: &RowSearch,
+        contacts: &mut Vec<Contact>,
+    ) -> Run {
+        let row = row_of(ground.map, ground.y);
         let [p, q] = search.probes;
+        let (start, last) = (columns.start, columns.end - 1);
+        let ends = [
+            ground.end(row, start, (start + 1).min(last), -1.0),
+            ground.end(row, last, last.saturating_sub(1).max(start), 1.0),
+        ];
+        contacts.extend(ends.iter().filter_map(|end| end.contact));
+        let ends = ends.map(|end| end.vertex);
         let mut run = Run::default();
         for parts in &PAIRS[..search.pairs] {
             let [p, q] = parts.map(|part| Probe {
                 u: p.u + (q.u - p.u) * part,
                 nearness: p.nearness + (q.nearness - p.nearness) * part,
             });
-            let mut by_p = Extremes::of_ends(row, &columns, &p, search.disparity);
-            let mut by_q = Extremes::of_ends(row, &columns, &q, search.disparity);
+            let mut by_p = Extremes::of_ends(ends, &p, search.disparity);
+            let mut by_q = Extremes::of_ends(ends, &q, search.disparity);
             for start in columns.clone().step_by(LANES) {
                 let w = texels(row, start);
                 let column = lanes(|i| start as f32 + (INDEX[i] + 0.5));
@@ -117,10 +134,7 @@ struct Extremes {
 impl Extremes {
     /// Most runs hide the most and the least by their ends.
     #[inline(always)]
-    fn of_ends(row: &[f32], columns: &Range<usize>, probe: &Probe, disparity: f32) -> Extremes {
-        let [first, last] = [columns.start, columns.end - 1].map(|x| row[x]);
-        let left = Vertex { column: columns.start as f32 + (0.5 - REACH), nearness: first };
-        let right = Vertex { column: columns.end as f32 + (REACH - 0.5), nearness: last };
+    fn of_ends([left, right]: [Vertex; 2], probe: &Probe, disparity: f32) -> Extremes {
         let (by_left, by_right) = (probe.hidden(left, disparity), probe.hidden(right, disparity));
         if by_right > by_left {
             Extremes { first: left, least: by_left, last: right, most: by_right }

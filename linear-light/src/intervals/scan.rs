@@ -6,16 +6,17 @@ use core::ops::Range;
 use shadowmap_core::DepthMap;
 
 use super::bounds::BandSearch;
+use super::contact::{Contact, Ground};
 use super::frame::Frustum;
 use super::lanes::{INDEX, LANES, Ops, lanes, left_neighbours, max, min, texels};
 use super::run::{PAIRS, Probe, Run};
 use super::search::MapSearch;
 
 /// How far, in texels, a surface reaches beyond the centre of its last texel before a depth
-/// discontinuity. Anything from 0 to 1 is possible and 1/2 is right on average for one map; but of
-/// the two maps of a segment the union takes the one that reaches farther, which on average is
-/// 2/3. 1/3 makes the average right.
-pub(super) const REACH: f32 = 1.0 / 3.0;
+/// discontinuity. Anything from 0 to 1 is possible and 1/2 is right on average for an edge that one
+/// map shows; of two maps the union takes the one that reaches farther, and 1/3 is right. Most edges
+/// are shown by two.
+pub(super) const REACH: f32 = 0.36;
 
 /// Neighbouring texels belong to one surface if their nearness differs by at most this many times
 /// the footprint of a texel: the surface is inclined to the image by less than 83 degrees.
@@ -89,7 +90,8 @@ pub(super) fn any_in_front(
     })
 }
 
-/// Appends the runs of row `y` of a map, which lie in the segments `found`; those ascend.
+/// Appends the runs of row `y` of a map, which lie in the segments `found`; those ascend. Where runs
+/// stand on the receivers' plane is appended to `contacts`.
 #[inline(always)]
 pub(super) fn scan(
     ops: impl Ops,
@@ -100,6 +102,7 @@ pub(super) fn scan(
     search: &RowSearch,
     ranges: &mut Vec<Range<usize>>,
     runs: &mut Vec<Run>,
+    contacts: &mut Vec<Contact>,
 ) {
     ranges.clear();
     let row = row_of(map, y);
@@ -140,7 +143,9 @@ pub(super) fn scan(
     if run.end > 0 {
         ranges.push(run);
     }
+    let (plane, bias, steepest) = (front.plane, front.bias, search.steepest);
+    let ground = Ground { map, y, plane, bias, behind, steepest, shift: front.shift };
     for columns in ranges {
-        runs.push(Run::new(ops, row, columns.clone(), search));
+        runs.push(Run::new(ops, &ground, columns.clone(), search, contacts));
     }
 }
