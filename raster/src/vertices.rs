@@ -43,7 +43,11 @@ impl Vertices {
         let bands = BandSlice { data: &mut self.seen, len: CHUNK };
         for_each_band(threads, bands, &|index, seen| {
             let positions = &positions[index * CHUNK..][..seen.data.len()];
-            project(level, views, positions, seen.data);
+            let mut all_inside = true;
+            project(level, views, positions, seen.data, &mut all_inside);
+            if all_inside {
+                return;
+            }
             for (seen, position) in seen.data.iter_mut().zip(positions) {
                 if seen[1].is_nan() {
                     let codes = views
@@ -57,20 +61,38 @@ impl Vertices {
 }
 
 kernel! {
-    /// Projects `positions`; 1 / Q is NaN where a vertex needs clipping.
-    fn project(views: &[Projection], positions: &[Vec3], seen: &mut [Seen]) = project_body
+    /// Projects `positions`; 1 / Q is NaN where a vertex needs clipping, which `all_inside` says
+    /// that none does.
+    fn project(
+        views: &[Projection],
+        positions: &[Vec3],
+        seen: &mut [Seen],
+        all_inside: &mut bool,
+    ) = project_body
 }
 
 /// Written lane by lane: the compiler makes vectors of it.
 #[inline(always)]
-fn project_body<S: Simd>(_: S, views: &[Projection], positions: &[Vec3], seen: &mut [Seen]) {
-    let (first, last) = (views[0], views[views.len() - 1]);
+fn project_body<S: Simd>(
+    _: S,
+    views: &[Projection],
+    positions: &[Vec3],
+    seen: &mut [Seen],
+    all_inside: &mut bool,
+) {
+    let mut all = true;
+    let view = views[0];
+    let last = views[views.len() - 1].rows[0][3];
     for (position, seen) in positions.iter().zip(seen) {
-        let homogeneous = first.homogeneous(*position);
-        let ([_, v, n], inside_first) = first.project(homogeneous);
-        let (_, inside_last) = last.project(last.homogeneous(*position));
-        let scale = 1.0 / homogeneous[3];
-        let scale = if inside_first | inside_last { scale } else { f32::NAN };
-        *seen = [first.across(*position), scale, v, n];
+        let across = view.across(*position);
+        let [first_u, v, n, q] = view.homogeneous(*position);
+        let (_, inside_last) = view.project([across + last, v, n, q]);
+        let ([_, v, n], inside_first) = view.project([first_u, v, n, q]);
+        let scale = 1.0 / q;
+        let inside = inside_first | inside_last;
+        all &= inside;
+        let scale = if inside { scale } else { f32::NAN };
+        *seen = [across, scale, v, n];
     }
+    *all_inside = all;
 }
