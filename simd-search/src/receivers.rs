@@ -97,6 +97,13 @@ impl Seekers {
                 most[i] = if chunk[i] > most[i] { chunk[i] } else { most[i] };
             }
         }
-        most.into_iter().fold(-1.0, f32::max)
+        let mut count = LANES / 2;
+        while count > 0 {
+            for i in 0..count {
+                most[i] = if most[i + count] > most[i] { most[i + count] } else { most[i] };
+            }
+            count /= 2;
+        }
+        most[0]
     }
 }
