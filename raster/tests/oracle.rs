@@ -148,33 +148,40 @@ fn several_views_at_once_and_scratch_memory_used_before() {
 #[test]
 fn views_beside_each_other() {
     let soups = [soup(&mut Random(1), 70_000, 0.05), torture(&mut Random(4), 1500)];
+    let keep = |triangle: usize, b1: f32, b2: f32| ((b1 + b2) * 8.0) as usize % 2 == triangle % 2;
+    let mask = AlphaMask { masked: &[true, false, false].repeat(400), keep: &keep };
     // Apart, not beside each other, all in one place.
     let apart: Vec<View> = views()[..2].iter().copied().chain(rectified_views()).collect();
     let one_place = vec![rectified_views()[2]; 3];
     for soup in &soups {
         for views in [rectified_views(), apart.clone(), one_place.clone()] {
-            let expected: Vec<_> =
-                views.iter().map(|view| plain(view, soup, None, Payload::TriangleIndex)).collect();
-            for level in Level::available() {
-                let mut rasterizer = Rasterizer::new(level, Threads::Pool);
-                let mut maps: Vec<_> = views.iter().map(dirty).collect();
-                let mut targets: Vec<_> = maps.iter_mut().map(DepthBuffer::target).collect();
-                let found = rasterizer.draw_many(
-                    &views,
-                    &soup.mesh(),
-                    Payload::TriangleIndex,
-                    &mut targets,
-                );
-                let mut sum = DrawStats::default();
-                for (index, (map, (expected, stats))) in maps.iter().zip(&expected).enumerate() {
-                    assert_same(map, expected, &format!("{} {index}", level.kind().name()));
-                    sum.drawn += stats.drawn;
-                    sum.clipped += stats.clipped;
-                    sum.invalid += stats.invalid;
-                }
-                assert_eq!(found, sum);
+            for mask in [None, Some(&mask)] {
+                compare_at_once(soup, mask, &views);
             }
         }
+    }
+}
+
+/// Compares maps drawn at once, at every level, with each drawn alone.
+fn compare_at_once(soup: &Soup, mask: Option<&AlphaMask<'_>>, views: &[View]) {
+    let payload = Payload::TriangleIndex;
+    let expected: Vec<_> = views.iter().map(|view| plain(view, soup, mask, payload)).collect();
+    for level in Level::available() {
+        let mut rasterizer = Rasterizer::new(level, Threads::Pool);
+        let mut maps: Vec<_> = views.iter().map(dirty).collect();
+        let mut targets: Vec<_> = maps.iter_mut().map(DepthBuffer::target).collect();
+        let found = match mask {
+            None => rasterizer.draw_many(views, &soup.mesh(), payload, &mut targets),
+            Some(m) => rasterizer.draw_masked(views, &soup.mesh(), m, payload, &mut targets),
+        };
+        let mut sum = DrawStats::default();
+        for (index, (map, (expected, stats))) in maps.iter().zip(&expected).enumerate() {
+            assert_same(map, expected, &format!("{} {index}", level.kind().name()));
+            sum.drawn += stats.drawn;
+            sum.clipped += stats.clipped;
+            sum.invalid += stats.invalid;
+        }
+        assert_eq!(found, sum);
     }
 }
 
