@@ -170,24 +170,12 @@ pub(crate) trait Simd: Copy {
 
     /// The four parts of the table's entry for each corner of the first `LANES` triangles;
     /// `missing` where the index is out of range.
-    #[inline(always)]
     fn gather(
         self,
         table: &[[f32; 4]],
         triangles: &[[u32; 3]],
         missing: [f32; 4],
-    ) -> [[Self::F; 4]; 3] {
-        let mut parts = [[[0.0; MAX_LANES]; 4]; 3];
-        for (lane, triangle) in triangles[..Self::LANES].iter().enumerate() {
-            for (parts, &index) in parts.iter_mut().zip(triangle) {
-                let entry = table.get(index as usize).unwrap_or(&missing);
-                for (part, value) in parts.iter_mut().zip(entry) {
-                    part[lane] = *value;
-                }
-            }
-        }
-        parts.map(|corner| corner.map(|part| self.load_f(&part)))
-    }
+    ) -> [[Self::F; 4]; 3];
 
     /// Stores the lanes whose bits are set, one after the other. All of the first `LANES` elements
     /// may be overwritten.

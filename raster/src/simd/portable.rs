@@ -80,6 +80,12 @@ impl Simd for Portable {
             to[..2].copy_from_slice(a[0].as_array());
             to[2..4].copy_from_slice(a[1].as_array());
         };
+
+        gather(table: &[[f32; 4]], triangles: &[[u32; 3]], missing: [f32; 4]) -> [[F; 4]; 3] = [
+            gather(table, triangles, 0, missing),
+            gather(table, triangles, 1, missing),
+            gather(table, triangles, 2, missing),
+        ];
     }
 
     #[inline(always)]
@@ -91,4 +97,13 @@ impl Simd for Portable {
     fn shift_left<const BITS: u32>(self, a: I) -> I {
         a << BITS as i32
     }
+}
+
+#[inline(always)]
+fn gather(table: &[[f32; 4]], triangles: &[[u32; 3]], corner: usize, missing: [f32; 4]) -> [F; 4] {
+    let triangles = &triangles[..4];
+    let entry = |lane: usize| -> F {
+        F::new(table.get(triangles[lane][corner] as usize).copied().unwrap_or(missing))
+    };
+    F::transpose([entry(0), entry(1), entry(2), entry(3)])
 }
