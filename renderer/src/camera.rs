@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use raster::{DepthBuffer, Payload};
-use shadowmap_core::{Level, Mesh, Threads, View, Window};
+use shadowmap_core::{Level, Threads, View, Window};
 
 use crate::Error;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Viewer};
 use crate::prepared::Prepared;
 use crate::scene::{Bounds, CameraProjection, Scene, SceneCamera};
 
@@ -73,14 +73,9 @@ fn fitted(scene: &Scene, vertical_fov: Option<f32>) -> SceneCamera {
 /// How many objects a camera sees in a small picture.
 fn objects_in_sight(prepared: &Prepared<'_>, camera: &SceneCamera) -> usize {
     let view = view(camera, [128, 128], prepared.bounds());
-    let mut mesh = prepared.scene().mesh.as_mesh();
-    let mut front_faces = Vec::new();
-    if let Some(triangles) = prepared.front_faces(&view, &mut front_faces) {
-        mesh = Mesh { triangles, ..mesh };
-    }
     let mut map = [DepthBuffer::new(0, 0)];
     let mut drawing = Drawing::new(Level::detect(), Threads::One);
-    drawing.draw(prepared, &mesh, &[view], Payload::ObjectId, &mut map);
+    drawing.draw(prepared, Viewer::Camera, &[view], Payload::ObjectId, &mut map);
     let mut ids = std::mem::take(&mut map[0].payload);
     ids.sort_unstable();
     ids.dedup();

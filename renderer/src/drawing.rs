@@ -5,20 +5,33 @@ use shadowmap_core::{Level, Mesh, Threads, View};
 
 use crate::prepared::Prepared;
 
+/// Who looks at a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Viewer {
+    /// The camera, which sees single-sided materials from their front.
+    Camera,
+    /// A light, which every surface blocks.
+    Light,
+}
+
 /// A rasterizer for a scene's meshes, alpha tests included.
 #[derive(Debug)]
-pub(crate) struct Drawing(Rasterizer);
+pub(crate) struct Drawing {
+    rasterizer: Rasterizer,
+    /// The scene's triangles but for those that are not drawn.
+    triangles: Vec<[u32; 3]>,
+}
 
 impl Drawing {
     pub fn new(level: Level, threads: Threads) -> Drawing {
-        Drawing(Rasterizer::new(level, threads))
+        Drawing { rasterizer: Rasterizer::new(level, threads), triangles: Vec::new() }
     }
 
     /// Draws one map per view, in one pass over the mesh. Returns how many triangles were drawn.
     pub fn draw(
         &mut self,
         prepared: &Prepared<'_>,
-        mesh: &Mesh<'_>,
+        viewer: Viewer,
         views: &[View],
         payload: Payload,
         maps: &mut [DepthBuffer],
@@ -28,10 +41,19 @@ impl Drawing {
                 *map = DepthBuffer::new(view.width(), view.height());
             }
         }
+        let mut mesh = prepared.scene().mesh.as_mesh();
+        let shown = match viewer {
+            Viewer::Camera => prepared.front_faces(views, &mut self.triangles),
+            Viewer::Light => prepared.solids().nearest(mesh.triangles, views, &mut self.triangles),
+        };
+        if let Some(triangles) = shown {
+            mesh = Mesh { triangles, ..mesh };
+        }
         let mut targets: Vec<Target<'_>> = maps.iter_mut().map(DepthBuffer::target).collect();
+        let rasterizer = &mut self.rasterizer;
         let stats = prepared.with_alpha_mask(|mask| match mask {
-            Some(mask) => self.0.draw_masked(views, mesh, mask, payload, &mut targets),
-            None => self.0.draw_many(views, mesh, payload, &mut targets),
+            Some(mask) => rasterizer.draw_masked(views, &mesh, mask, payload, &mut targets),
+            None => rasterizer.draw_many(views, &mesh, payload, &mut targets),
         });
         stats.drawn as u64
     }

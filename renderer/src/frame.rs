@@ -8,9 +8,9 @@ use std::time::Duration;
 use linear_light::VisibilityChannels;
 use raster::{DepthBuffer, Payload};
 use reference::Tracer;
-use shadowmap_core::{Camera, Level, Mesh, Surfaces, Threads, View};
+use shadowmap_core::{Camera, Level, Surfaces, Threads, View};
 
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Viewer};
 use crate::emitters::{Emitter, exposure, push_emitters};
 use crate::lighting::LightJob;
 use crate::prepared::Prepared;
@@ -58,7 +58,6 @@ pub struct Frame {
     drawing: Drawing,
     /// One map.
     camera: [DepthBuffer; 1],
-    front_faces: Vec<[u32; 3]>,
     visibility: Vec<Vec<f32>>,
     shadow: ShadowStage,
     emitters: Vec<Vec<Emitter>>,
@@ -77,7 +76,6 @@ impl Frame {
             threads,
             drawing: Drawing::new(level, threads),
             camera: [DepthBuffer::new(0, 0)],
-            front_faces: Vec::new(),
             visibility: Vec::new(),
             shadow: ShadowStage::new(level, threads),
             emitters: Vec::new(),
@@ -157,13 +155,10 @@ impl Frame {
     }
 
     fn draw_camera(&mut self, shot: &Shot<'_>) {
-        let mut mesh = shot.prepared.scene().mesh.as_mesh();
-        if let Some(triangles) = shot.prepared.front_faces(shot.camera, &mut self.front_faces) {
-            mesh = Mesh { triangles, ..mesh };
-        }
         let views = std::slice::from_ref(shot.camera);
         let payload = Payload::TriangleIndex;
-        let drawn = self.drawing.draw(shot.prepared, &mesh, views, payload, &mut self.camera);
+        let (prepared, viewer) = (shot.prepared, Viewer::Camera);
+        let drawn = self.drawing.draw(prepared, viewer, views, payload, &mut self.camera);
         self.counters.add("triangles drawn for the camera", drawn);
     }
 

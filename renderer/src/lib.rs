@@ -77,6 +77,7 @@ pub mod shade;
 mod shadow;
 pub mod shapes;
 mod show;
+pub mod solids;
 pub mod stats;
 mod tone;
 pub mod values;

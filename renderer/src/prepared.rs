@@ -8,6 +8,7 @@ use shadowmap_core::{Surface, View};
 
 use crate::backdrops::Backdrops;
 use crate::scene::{AlphaMode, Bounds, Material, Scene};
+use crate::solids::Solids;
 
 /// Alpha at which a blended material counts as solid: shadow maps know no half transparency.
 const BLEND_CUTOFF: f32 = 0.5;
@@ -17,6 +18,7 @@ pub struct Prepared<'a> {
     scene: &'a Scene,
     bounds: Option<Bounds>,
     backdrops: Backdrops,
+    solids: Solids,
     /// Geometric normal and object ID of each triangle, at its index + 1.
     surfaces: Vec<Surface>,
     /// Which triangles have holes; empty if none has.
@@ -54,6 +56,7 @@ impl<'a> Prepared<'a> {
             scene,
             bounds: scene.bounds(),
             backdrops: Backdrops::new(scene),
+            solids: Solids::new(scene, &masked),
             surfaces,
             masked: if any_masked { masked } else { Vec::new() },
             single_sided: scene.triangle_materials.iter().any(single),
@@ -74,6 +77,11 @@ impl<'a> Prepared<'a> {
     #[must_use]
     pub fn backdrops(&self) -> &Backdrops {
         &self.backdrops
+    }
+    /// The closed surfaces.
+    #[must_use]
+    pub fn solids(&self) -> &Solids {
+        &self.solids
     }
     /// Geometric normal and object ID of each triangle, at its index + 1: what a camera pass with
     /// [`raster::Payload::TriangleIndex`] points to.
@@ -148,24 +156,26 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// Writes to `triangles` those that `camera` sees from a side that their material shows. The
+    /// Writes to `triangles` those that one of `cameras` sees from a side that their material shows. The
     /// others keep their place and get indices that no vertex has. `None` if all are shown anyway.
     pub fn front_faces<'t>(
         &self,
-        camera: &View,
+        cameras: &[View],
         triangles: &'t mut Vec<[u32; 3]>,
     ) -> Option<&'t [[u32; 3]]> {
         if !self.single_sided {
             return None;
         }
-        let [x, y, z, w] = camera.eye();
-        let eye = Vec3::new(x, y, z);
         triangles.clear();
         let all = self.scene.mesh.triangles.iter().zip(&self.surfaces[1..]).enumerate();
         triangles.extend(all.map(|(index, (&triangle, surface))| {
             let shown = self.material(index).is_none_or(|material| material.double_sided);
             let Some([a, _, _]) = corners(self.scene, triangle) else { return triangle };
-            if shown || surface.normal.dot(eye - a * w) >= 0.0 { triangle } else { [u32::MAX; 3] }
+            let faces = |camera: &View| {
+                let [x, y, z, w] = camera.eye();
+                surface.normal.dot(Vec3::new(x, y, z) - a * w) >= 0.0
+            };
+            if shown || cameras.iter().any(faces) { triangle } else { [u32::MAX; 3] }
         }));
         Some(triangles)
     }

@@ -14,7 +14,7 @@ use shadowmap_core::{
 use simd_search::{NodeGroup, Pyramid};
 use single_sample::{LightMap, Texels, paper, search};
 
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Viewer};
 use crate::faces;
 use crate::lighting::{LightJob, Plan};
 use crate::method::Method;
@@ -103,13 +103,12 @@ impl ShadowStage {
     ) {
         let count = groups.iter().map(|views| views.len()).sum();
         self.maps.resize_with(count, || DepthBuffer::new(0, 0));
-        let mesh = prepared.scene().mesh.as_mesh();
         let mut maps = &mut self.maps[..];
         timed(&mut log.times.light_maps, || {
             for views in groups {
                 let (these, others) = std::mem::take(&mut maps).split_at_mut(views.len());
                 maps = others;
-                let drawn = drawing.draw(prepared, &mesh, views, Payload::ObjectId, these);
+                let drawn = drawing.draw(prepared, Viewer::Light, views, Payload::ObjectId, these);
                 log.counters.add("triangles drawn for lights", drawn);
             }
         });

@@ -8,7 +8,7 @@ use raster::{DepthBuffer, Payload};
 use shadowmap_core::View;
 
 use super::{Log, Scene, ShadowStage};
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Viewer};
 use crate::stats::timed;
 
 /// How much smaller along each axis the maps are that only ask whether a sample is missing.
@@ -98,10 +98,9 @@ impl ShadowStage {
         log: &mut Log<'_>,
     ) {
         map.resize_with(1, || DepthBuffer::new(0, 0));
-        let mesh = scene.prepared.scene().mesh.as_mesh();
         let views = std::slice::from_ref(view);
         let drawn = timed(&mut log.times.light_maps, || {
-            drawing.draw(scene.prepared, &mesh, views, Payload::ObjectId, map)
+            drawing.draw(scene.prepared, Viewer::Light, views, Payload::ObjectId, map)
         });
         log.counters.add("triangles drawn for lights", drawn);
         log.counters.add("light maps", 1);
