@@ -1,16 +1,8 @@
 //! What all receivers of a call share.
 
-use super::cell::CELL;
 use super::reach::Extent;
 use crate::math::sqrt;
 use shadowmap_core::{Bias, Projection, View, Warp};
-
-/// How much wider than the disc is the cone around it that blockers must be in. What is farther off
-/// hides nothing of the disc by itself. But if it counted, the map would not show where a blocker in
-/// front of it ends.
-const ROOM: f32 = 2.0;
-/// Texels that a blocker may be outside of the cone.
-const CLOSE: f32 = 6.0;
 
 /// Both views and the light's disc, as receivers need them.
 #[derive(Clone, Copy, Debug)]
@@ -37,9 +29,6 @@ pub(crate) struct Geometry {
     pub radius: f32,
     /// Radius of the disc's image in texels per nearness of the map (on the view axis).
     pub spread: [f32; 2],
-    /// Of a cone that leaves room for the image of every receiver's disc, by [`ROOM`]: how much nearer
-    /// it gets per texel along either axis. 0 if there is no disc.
-    pub cone: [f32; 2],
     pub bias: Bias,
 }
 
@@ -54,7 +43,7 @@ impl Geometry {
         let along = |row: [f32; 4]| (row[0] * forward.x + row[1] * forward.y) + row[2] * forward.z;
         let center = [along(light.rows()[0]), along(light.rows()[1])];
         let column = |i: usize, scale: f32| light.inverse_rows().map(|row| row[i] * scale);
-        let mut geometry = Geometry {
+        Geometry {
             warp,
             world: *camera.inverse_rows(),
             camera_eye: camera.eye(),
@@ -66,23 +55,8 @@ impl Geometry {
             unit,
             radius,
             spread: [fx * radius / unit, fy * radius / unit],
-            cone: [0.0; 2],
             bias,
-        };
-        let (u, v) = ([0.0, light.width() as f32], [0.0, light.height() as f32]);
-        let stretch = geometry.greatest_stretch(&Extent { u, v, nearness: [0.0; 2] });
-        geometry.cone = geometry.spread.map(|spread| {
-            let cone = 1.0 / (ROOM * stretch * spread);
-            if cone < f32::INFINITY { cone } else { 0.0 }
-        });
-        geometry
-    }
-
-    /// How much nearer than a receiver a texel must be to block it, so many texels away along an axis.
-    #[inline(always)]
-    pub fn nearer(&self, axis: usize, apart: f32) -> f32 {
-        let apart = apart - CLOSE;
-        (if apart > 0.0 { apart } else { 0.0 }) * self.cone[axis]
+        }
     }
 
     /// How much the image of the disc is stretched along u and v at a receiver, for it faces the
@@ -93,18 +67,6 @@ impl Geometry {
         [sqrt(1.0 + tx * tx), sqrt(1.0 + ty * ty)]
     }
 
-    /// From which nearness on the cones of receivers in `extent` do not matter.
-    #[inline(always)]
-    pub fn tall(&self, extent: &Extent) -> Tall {
-        let rise = |axis: usize| self.spread[axis] * self.cone[axis];
-        let rise = self.greatest_stretch(extent) * rise(0).max(rise(1));
-        // A cell, and a texel for rounding.
-        let room = CELL as f32 + 1.0 - CLOSE;
-        let tall =
-            Tall { most: extent.nearness[1], rise, room: room * self.cone[0].max(self.cone[1]) };
-        if rise > 0.0 && rise < 1.0 { tall } else { Tall::NEVER }
-    }
-
     /// The greatest stretch in any direction of any receiver.
     pub fn greatest_stretch(&self, extent: &Extent) -> f32 {
         let square = |[from, to]: [f32; 2], axis: usize| {
@@ -113,28 +75,5 @@ impl Geometry {
             (from * from).max(to * to)
         };
         sqrt(1.0 + (square(extent.u, 0) + square(extent.v, 1)))
-    }
-}
-
-/// From which nearness on it does not matter whether texels are in the cones of some receivers: where
-/// one is not, all of its cell is outside of the disc, however near the cell's other texels are.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tall {
-    /// The receivers' greatest nearness.
-    most: f32,
-    /// Per nearness above it of the cell's nearest texel.
-    rise: f32,
-    room: f32,
-}
-
-impl Tall {
-    /// It always matters.
-    pub const NEVER: Tall = Tall { most: f32::INFINITY, rise: 0.0, room: 0.0 };
-
-    /// In cells with no texel nearer than `greatest`.
-    #[inline(always)]
-    pub fn among(&self, greatest: f32) -> f32 {
-        let above = greatest - self.most;
-        self.most + (self.rise * if above > 0.0 { above } else { 0.0 } + self.room)
     }
 }

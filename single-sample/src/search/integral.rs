@@ -19,7 +19,6 @@ use core::ops::Range;
 
 use super::cell::CELL;
 use super::field::{Field, Texel};
-use super::geometry::Geometry;
 use super::receiver::{Receiver, Seen};
 use super::segments::{LANES, Segment, Segments};
 use crate::disc::angle;
@@ -120,7 +119,6 @@ pub(crate) fn cell_of(u: f32, v: f32) -> [i32; 2] {
 /// there changes sides.
 #[inline(always)]
 pub(crate) fn hides_center<T: Texel>(
-    geometry: &Geometry,
     field: &Field<'_, T>,
     receiver: &Receiver,
     segments: &Segments,
@@ -129,7 +127,7 @@ pub(crate) fn hides_center<T: Texel>(
     let Receiver { u, v, .. } = *receiver;
     let [x, y] = cell_of(u, v);
     let corner = [x as f32 + 0.5, y as f32 + 0.5];
-    let mut hidden = receiver.is_blocked_by(geometry, corner, field.nearness(x, y));
+    let mut hidden = receiver.is_blocked_by(corner[0], corner[1], field.nearness(x, y));
     for segment in cell {
         let segment = segments.get(segment);
         let Segment { from, to } = &segment;

@@ -42,8 +42,7 @@ const BEFORE: f32 = CELL as f32 * 0.5;
 
 /// What receivers ask of a leaf.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LeafTest<'a> {
-    geometry: &'a Geometry,
+pub(crate) struct LeafTest {
     /// Where they are.
     u: [f32; 2],
     v: [f32; 2],
@@ -53,32 +52,22 @@ pub(crate) struct LeafTest<'a> {
     /// Bounds on their planes, and their greatest nearness.
     planes: Planes,
     most: f32,
-    /// The nearness from which on texels count as in the receivers' cones.
-    tall: f32,
     /// The size of the map.
     size: [f32; 2],
 }
 
-impl<'a> LeafTest<'a> {
+impl LeafTest {
     /// For receivers in `extent` with these planes, in a map of that size.
     #[inline(always)]
-    pub fn new(
-        g: &'a Geometry,
-        extent: &Extent,
-        tall: f32,
-        planes: &Planes,
-        size: [i32; 2],
-    ) -> LeafTest<'a> {
+    pub fn new(g: &Geometry, extent: &Extent, planes: &Planes, size: [i32; 2]) -> LeafTest {
         let spread = g.spread[0].max(g.spread[1]) * g.greatest_stretch(extent);
         LeafTest {
-            geometry: g,
             u: extent.u,
             v: extent.v,
             nearness: extent.nearness[0],
             spread_squared: spread * spread,
             planes: *planes,
             most: extent.nearness[1],
-            tall,
             size: [size[0] as f32, size[1] as f32],
         }
     }
@@ -111,14 +100,7 @@ impl<'a> LeafTest<'a> {
                 |nearness: f32| p.hn[0] * (nearness - p.nearness) + (u[0].middle + v[0].middle);
             let tilt = Self::tilt(slope.map(|slope| slope * p.hn[0]), [u[0].slope, v[0].slope]);
             let is_surely_above = at(least) - tilt > p.above[1];
-            let far = |axis: usize, start: f32, [from, to]: [f32; 2]| {
-                let (before, after) = (to - start, (start + Self::LAST[axis]) - from);
-                self.geometry.nearer(axis, if before > after { before } else { after })
-            };
-            let (far_u, far_v) = (far(0, x, self.u), far(1, y, self.v));
-            let least = self.most + if far_u > far_v { far_u } else { far_v };
-            let least = if least < self.tall { least } else { self.tall };
-            let is_surely_nearer = nodes.low[i] - Self::tilt(slope, [0.0; 2]) > least;
+            let is_surely_nearer = nodes.low[i] - Self::tilt(slope, [0.0; 2]) > self.most;
             plain |= u32::from(at(most) + tilt > p.above[1]) << i;
             covered |= u32::from(is_inside & is_surely_above & is_surely_nearer) << i;
         }
@@ -221,7 +203,7 @@ impl Leaves {
     /// Finds the leaves of `places`, no more than [`MOST_PLACES`], that may hold blockers of some of
     /// the receivers, given all at once and maybe in parts; false if there are none.
     #[inline(always)]
-    pub fn find(&mut self, pyramid: &Pyramid<'_>, test: &LeafTest<'_>, places: Places) -> bool {
+    pub fn find(&mut self, pyramid: &Pyramid<'_>, test: &LeafTest, places: Places) -> bool {
         // Places of a leaf touch the texels of the next leaf, too.
         let groups = |[from, end]: [i32; 2], size: i32| {
             from.div_euclid(size * GROUP)..=end.div_euclid(size * GROUP)
@@ -344,7 +326,7 @@ impl Iterator for Boxes<'_> {
 /// Finds whether some leaf may hold blockers.
 pub(crate) struct FindBlockers<'a> {
     pub pyramid: &'a Pyramid<'a>,
-    pub test: LeafTest<'a>,
+    pub test: LeafTest,
     pub places: Places,
     pub found: &'a mut bool,
 }

@@ -13,9 +13,7 @@
 //!    (section 6), for every blocker on its own.
 //! 2. A texel blocks if it is above the receiver's tangent plane and nearer to the light. No
 //!    object IDs: an object shadows itself where its geometry does, and a convex surface, whose
-//!    neighbourhood lies below its tangent planes, never. What lies far outside of the disc does not
-//!    block, either: the ground beside a wall, or a ball below the edge of a plate, would join with
-//!    the blocker in front of it and hide where that ends.
+//!    neighbourhood lies below its tangent planes, never.
 //! 3. Cell by cell of 8 x 8 texels, the outline of the blocking texels becomes one or two straight
 //!    segments where it is simple, and the pieces of marching squares where it is not. Each
 //!    contributes the integral of `1 - rho²` over the angle that its part within the disc spans.

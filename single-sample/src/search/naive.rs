@@ -45,12 +45,12 @@ pub(crate) fn visibility<T: Texel>(
         for column in (-(CELL as i32)..field.width).step_by(CELL) {
             let cell = [column, row];
             segments.truncate(0);
-            outline(field, cell, &bits(geometry, field, &receiver, cell), &mut segments);
+            outline(field, cell, &bits(field, &receiver, cell), &mut segments);
             for i in 0..segments.len() {
                 sum = sum.wrapping_add(contribution(&seen, &segments.get(i)));
             }
             if cell == own_cell {
-                is_hidden = hides_center(geometry, field, &receiver, &segments, 0..segments.len());
+                is_hidden = hides_center(field, &receiver, &segments, 0..segments.len());
             }
         }
     }
@@ -59,17 +59,12 @@ pub(crate) fn visibility<T: Texel>(
 }
 
 /// Which texels of a cell block the receiver.
-fn bits<T: Texel>(
-    g: &Geometry,
-    field: &Field<'_, T>,
-    receiver: &Receiver,
-    [column, row]: [i32; 2],
-) -> CellBits {
+fn bits<T: Texel>(field: &Field<'_, T>, receiver: &Receiver, [column, row]: [i32; 2]) -> CellBits {
     let mut bits = [0; CELL + 1];
     for (y, bits) in (row..).zip(&mut bits) {
         for (i, x) in (column..).take(CELL + 1).enumerate() {
             let nearness = field.nearness(x, y);
-            let blocks = receiver.is_blocked_by(g, [x as f32 + 0.5, y as f32 + 0.5], nearness);
+            let blocks = receiver.is_blocked_by(x as f32 + 0.5, y as f32 + 0.5, nearness);
             *bits |= u16::from(blocks) << i;
         }
     }

@@ -1,7 +1,7 @@
 //! Which texels block, cell by cell.
 
 use super::cell::{CELL, CellBits};
-use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Block, Field, LANE, Texel};
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Texel};
 use super::kernels::{Bits, Ops, ROWS};
 use super::texel_test::Test;
 
@@ -41,25 +41,17 @@ impl<const TESTS: usize> Strip<TESTS> {
     pub fn new<T: Texel>(
         ops: &impl Ops,
         field: &Field<'_, T>,
-        tests: &[Test<'_>; TESTS],
+        tests: &[Test; TESTS],
         places: Places,
     ) -> Strip<TESTS> {
         let ([left, right], top) = (places.columns, places.rows[0]);
         let mut room = [LANE; BLOCK_ROWS];
         let mut passing = [[Bits::default(); TESTS]; BLOCKS];
         // Places reach to the texel after them.
-        let blocks = || (left..=right).step_by(BLOCK_COLUMNS);
-        // Of the block before each, too, and after the last.
-        let mut nearest = [0.0; BLOCKS + 2];
-        for (x, nearest) in blocks().zip(&mut nearest[1..]) {
-            *nearest = greatest(&field.block(x, top, &mut room));
-        }
-        for (i, x) in blocks().enumerate() {
+        for (x, passing) in (left..=right).step_by(BLOCK_COLUMNS).zip(&mut passing) {
             let block = field.block(x, top, &mut room);
-            // Cells touch the next block.
-            let greatest = nearest[i].max(nearest[i + 1]).max(nearest[i + 2]);
-            for (passing, test) in passing[i].iter_mut().zip(tests) {
-                *passing = ops.passing(&test.limits(block.first, greatest), &block.rows);
+            for (passing, test) in passing.iter_mut().zip(tests) {
+                *passing = ops.passing(&test.limits(block.first), &block.rows);
             }
         }
         Strip { first: [left, top], cells: (right - left) as usize / CELL, passing }
@@ -89,27 +81,6 @@ impl<const TESTS: usize> Strip<TESTS> {
     }
 }
 
-/// The greatest nearness in a block; 0 if all are less.
-#[inline(always)]
-fn greatest(block: &Block<'_>) -> f32 {
-    let mut greatest = [0.0; BLOCK_COLUMNS];
-    for row in block.rows {
-        for (greatest, &nearness) in greatest.iter_mut().zip(row) {
-            // False for NaN.
-            *greatest = if nearness > *greatest { nearness } else { *greatest };
-        }
-    }
-    let mut half = BLOCK_COLUMNS / 2;
-    while half > 0 {
-        for i in 0..half {
-            let other = greatest[i + half];
-            greatest[i] = if other > greatest[i] { other } else { greatest[i] };
-        }
-        half /= 2;
-    }
-    greatest[0]
-}
-
 /// Texels of a cell along a row.
 pub(crate) const CELL_TEXELS: u16 = (2 << CELL) - 1;
 
@@ -128,11 +99,11 @@ fn cell_of_blocks(block: &Bits, next: &Bits, right: usize) -> CellBits {
 pub(crate) fn cell_bits<T: Texel>(
     ops: &impl Ops,
     field: &Field<'_, T>,
-    test: &Test<'_>,
+    test: &Test,
     [x, y]: [i32; 2],
 ) -> CellBits {
     let mut room = [LANE; BLOCK_ROWS];
     let block = field.block(x, y, &mut room);
-    let block = ops.passing(&test.limits(block.first, f32::INFINITY), &block.rows);
+    let block = ops.passing(&test.limits(block.first), &block.rows);
     cell_of_blocks(&block, &block, 0)
 }

@@ -153,15 +153,9 @@ impl<T: Texel> FindOutlines<'_, T> {
     ) -> Option<Outline> {
         let Outlines { segments, cells, disputed, leaves, .. } = &mut *self.outlines;
         // The first test passes what blocks some receivers, and the second what blocks all of them.
-        let tall = self.geometry.tall(extent);
-        let tests = planes.tests(self.geometry, extent, tall);
-        let leaf_test = LeafTest::new(
-            self.geometry,
-            extent,
-            tall.among(reach.greatest),
-            planes,
-            [self.field.width, self.field.height],
-        );
+        let tests = planes.tests(extent.nearness[1]);
+        let leaf_test =
+            LeafTest::new(self.geometry, extent, planes, [self.field.width, self.field.height]);
         let start = [segments.len() / LANES, cells.len, disputed.pad()];
         let [left, top] = cell_of(extent.u[0], extent.v[0]);
         let [right, bottom] = cell_of(extent.u[1], extent.v[1]);

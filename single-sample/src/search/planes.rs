@@ -1,7 +1,6 @@
 //! Bounds on the planes of receivers.
 
 use super::adaptive::TILE;
-use super::geometry::{Geometry, Tall};
 use super::groups::Groups;
 use super::reach::{Extent, Reach};
 use super::receiver::Receiver;
@@ -98,39 +97,17 @@ impl Planes {
         Planes { hu: [0.0; 2], hv: [0.0; 2], hn: [0.0; 2], above, ..self }
     }
 
-    /// The tests for what blocks some of the receivers, and for what blocks all, in `extent`. Where
-    /// texels count as in the cone that are not ([`Tall`]), that changes nothing.
+    /// The tests for what blocks some of the receivers, and for what blocks all, of which `most` is
+    /// the greatest nearness.
     #[inline(always)]
-    pub fn tests<'a>(&self, geometry: &'a Geometry, extent: &Extent, tall: Tall) -> [Test<'a>; 2] {
+    pub fn tests(&self, most: f32) -> [Test; 2] {
         let Planes { at, nearness, hu, hv, hn, above } = *self;
         let flip = |[low, high]: Bounds| [high, low];
         // Texels that block are nearer than the least nearness.
         let above = |i: usize| above[i] + hn[1 - i] * nearness;
         [
-            Test {
-                geometry,
-                at,
-                hu: flip(hu),
-                hv: flip(hv),
-                hn: hn[1],
-                above: above(0),
-                nearness,
-                u: extent.u,
-                v: extent.v,
-                tall,
-            },
-            Test {
-                geometry,
-                at,
-                hu,
-                hv,
-                hn: hn[0],
-                above: above(1),
-                nearness: extent.nearness[1],
-                u: flip(extent.u),
-                v: flip(extent.v),
-                tall,
-            },
+            Test { at, hu: flip(hu), hv: flip(hv), hn: hn[1], above: above(0), nearness },
+            Test { at, hu, hv, hn: hn[0], above: above(1), nearness: most },
         ]
     }
 }

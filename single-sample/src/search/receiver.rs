@@ -88,13 +88,10 @@ impl Receiver {
         self.u > NOWHERE
     }
 
-    /// Whether a texel with centre (s, t) blocks part of what this receiver could see: it is above
-    /// its plane, and in a cone around its disc.
+    /// Whether a texel with centre (s, t) blocks part of what this receiver could see.
     #[inline(always)]
-    pub fn is_blocked_by(&self, g: &Geometry, [s, t]: [f32; 2], nearness: f32) -> bool {
-        let nearer = [g.nearer(0, (s - self.u).abs()), g.nearer(1, (t - self.v).abs())];
-        self.hn * nearness > (self.above - self.hv * t) - self.hu * s
-            && nearness > self.nearness + nearer[0].max(nearer[1])
+    pub fn is_blocked_by(&self, s: f32, t: f32, nearness: f32) -> bool {
+        self.hn * nearness > (self.above - self.hv * t) - self.hu * s && nearness > self.nearness
     }
 }
 

@@ -8,7 +8,6 @@ use shadowmap_core::{
 use simd_search::{NodeGroup, Pyramid};
 
 use super::{Parameters, naive, visibility};
-use crate::disc::disc_fraction;
 use crate::{Counters, Found, LightMap, Texels, Visibility};
 
 const MAP: u32 = 40;
@@ -179,39 +178,5 @@ proptest! {
             let (out, _) = maps.render::<f32>(level, Threads::One, &parameters, false);
             prop_assert!(out.iter().all(|v| (0.0..=1.0).contains(v)));
         }
-    }
-}
-
-/// A plate hides from the ground under it what a straight edge hides, though all that the light sees
-/// beyond the edge is another plate, so low that it hides nothing from there.
-#[test]
-fn what_lies_below_an_edge_leaves_it_as_it_is() {
-    const SIDE: u32 = 192;
-    let axes = View::axes_towards(Vec3::NEG_Y, Vec3::X);
-    let window = Window::centered(2.0, 2.0);
-    let view = View::orthographic_window(Vec3::Y * 4.0, axes, window, SIDE, SIDE, [0.5, 5.0]);
-    let place = |i: u32| {
-        let (x, y) = ((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5);
-        Vec3 { y: 0.0, ..view.world_from_texel(x, y, 0.5) }
-    };
-    let nearness = |p: Vec3| view.texel_from_world(p).unwrap().z;
-    let height = |p: Vec3| if p.x < 0.0 { 2.0 } else { 0.05 };
-    let draw = |height: &dyn Fn(Vec3) -> f32| -> Vec<f32> {
-        (0..SIDE * SIDE).map(place).map(|p| nearness(p.with_y(height(p)))).collect()
-    };
-    let (texels, pixels) = (draw(&height), draw(&|_| 0.0));
-    let (normals, radius) = (vec![Vec3::Y; texels.len()], 0.25);
-    let camera = DepthMap::new(SIDE, SIDE, &pixels, &[]).unwrap();
-    let camera = Camera::new(&view, camera, Surfaces::Normals(&normals)).unwrap();
-    let light = Texels::Plain(DepthMap::new(SIDE, SIDE, &texels, &[]).unwrap());
-    let light = LightMap::new(&view, light).unwrap();
-    let parameters = Parameters { radius, ..Parameters::default() };
-    let is_below = |p: Vec3| (-0.45..-0.2).contains(&p.x) && (0.0..0.02).contains(&p.z);
-    let below: Vec<u32> = (0..SIDE * SIDE).filter(|&i| is_below(place(i))).collect();
-    assert!(below.len() > 8);
-    for i in below {
-        let expected = disc_fraction(place(i).x / (2.0 * radius));
-        let found = naive(&camera, &light, &parameters, i % SIDE, i / SIDE);
-        assert!((found - expected).abs() < 0.01, "{i}: {found} for {expected}");
     }
 }

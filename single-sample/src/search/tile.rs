@@ -182,7 +182,7 @@ fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole 
     let Some(reach) = Reach::new(geometry, &scene.pyramid, scene.greatest, size, &extent) else {
         return lit;
     };
-    let test = LeafTest::new(geometry, &extent, f32::INFINITY, &Planes::of(&first), size);
+    let test = LeafTest::new(geometry, &extent, &Planes::of(&first), size);
     match may_block(scene, test, reach.places) {
         false => lit,
         true => Whole::OnePlane,
@@ -190,7 +190,7 @@ fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole 
 }
 
 /// Whether some leaf of the pyramid may hold blockers.
-fn may_block<T: Texel>(scene: &Scene<'_, T>, test: LeafTest<'_>, places: Places) -> bool {
+fn may_block<T: Texel>(scene: &Scene<'_, T>, test: LeafTest, places: Places) -> bool {
     let mut found = false;
     let pyramid = &scene.pyramid;
     kernels::run(scene.level, FindBlockers { pyramid, test, places, found: &mut found });

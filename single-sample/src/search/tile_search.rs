@@ -118,7 +118,7 @@ impl<T: Texel> SearchTile<'_, T> {
             let cell = cell_of(receiver.u, receiver.v);
             let cell = cells.part(outline.cells).iter().find(|other| other.at == cell);
             let [first, end] = cell.map_or([0; 2], |cell| cell.segments);
-            hides_center(self.geometry, self.field, &receiver, segments, first..end)
+            hides_center(self.field, &receiver, segments, first..end)
         });
         blocked_fraction(hidden, total)
     }
@@ -134,7 +134,7 @@ impl<T: Texel> SearchTile<'_, T> {
         seen: &Seen,
     ) -> (i32, Option<bool>) {
         let Outlines { disputed, segments, .. } = &mut *self.outlines;
-        let test = Test::of(self.geometry, receiver);
+        let test = Test::of(receiver);
         let cell = cell_of(receiver.u, receiver.v);
         let mut own = Own::behind(segments);
         let mut hidden = None;
@@ -150,13 +150,7 @@ impl<T: Texel> SearchTile<'_, T> {
                     }
                     let added = own.add(self.field, at, &bits, seen);
                     if at == cell {
-                        hidden = Some(hides_center(
-                            self.geometry,
-                            self.field,
-                            receiver,
-                            own.segments,
-                            added,
-                        ));
+                        hidden = Some(hides_center(self.field, receiver, own.segments, added));
                     }
                 }
             }
@@ -178,11 +172,10 @@ impl<T: Texel> SearchTile<'_, T> {
         let leaf_test = LeafTest::new(
             self.geometry,
             &extent,
-            f32::INFINITY,
             &Planes::of(receiver),
             [self.field.width, self.field.height],
         );
-        let tests = [Test::of(self.geometry, receiver)];
+        let tests = [Test::of(receiver)];
         let cell = cell_of(u, v);
         let Outlines { segments, leaves, .. } = &mut *self.outlines;
         let mut own = Own::behind(segments);
@@ -197,18 +190,12 @@ impl<T: Texel> SearchTile<'_, T> {
                     let Some((at, [bits])) = strip.divided(i) else { continue };
                     let added = own.add(self.field, at, &bits, seen);
                     if at == cell {
-                        hidden = Some(hides_center(
-                            self.geometry,
-                            self.field,
-                            receiver,
-                            own.segments,
-                            added,
-                        ));
+                        hidden = Some(hides_center(self.field, receiver, own.segments, added));
                     }
                 }
             }
         }
-        let none = || hides_center(self.geometry, self.field, receiver, own.segments, 0..0);
+        let none = || hides_center(self.field, receiver, own.segments, 0..0);
         let hidden = hidden.unwrap_or_else(none);
         (own.sum(seen), hidden)
     }

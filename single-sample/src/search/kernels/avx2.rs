@@ -20,16 +20,14 @@ pub(crate) fn run(work: impl Work) {
 #[inline]
 fn passing(limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
     let all = |value: f32| _mm256_set1_ps(value);
-    let hn = all(limits.hn);
+    let (hn, least) = (all(limits.hn), all(limits.nearness));
     let columns: [__m256; 2] = cast(limits.columns);
-    let least: [__m256; 2] = cast(limits.least_columns);
     let mut found = [0; BLOCK_ROWS];
     for (y, row) in rows.iter().enumerate() {
         let texels: [__m256; 2] = cast(**row);
         for part in 0..2 {
             let plane = _mm256_sub_ps(all(limits.rows[y]), columns[part]);
             let is_above = _mm256_cmp_ps::<_CMP_GT_OQ>(_mm256_mul_ps(hn, texels[part]), plane);
-            let least = _mm256_max_ps(least[part], all(limits.least_rows[y]));
             let nearer = _mm256_cmp_ps::<_CMP_GT_OQ>(texels[part], least);
             let bits = _mm256_movemask_ps(_mm256_and_ps(is_above, nearer));
             found[y] |= (bits as u16) << (8 * part);

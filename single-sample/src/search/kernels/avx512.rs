@@ -20,14 +20,12 @@ pub(crate) fn run(work: impl Work) {
 #[inline]
 fn passing(limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
     let all = |value: f32| _mm512_set1_ps(value);
-    let hn = all(limits.hn);
-    let [columns, least]: [__m512; 2] = [cast(limits.columns), cast(limits.least_columns)];
+    let (hn, least, columns) = (all(limits.hn), all(limits.nearness), cast(limits.columns));
     let mut found = [0; BLOCK_ROWS];
     for (y, row) in rows.iter().enumerate() {
         let texels: __m512 = cast(**row);
         let plane = _mm512_sub_ps(all(limits.rows[y]), columns);
         let is_above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(_mm512_mul_ps(hn, texels), plane);
-        let least = _mm512_max_ps(least, all(limits.least_rows[y]));
         found[y] = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(is_above, texels, least);
     }
     Bits::new(found)

@@ -107,9 +107,7 @@ fn plain(limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
     for (y, texels) in rows.iter().enumerate() {
         for (i, &nearness) in texels.iter().enumerate() {
             let is_above = limits.hn * nearness > limits.rows[y] - limits.columns[i];
-            let is_in_cone =
-                (nearness > limits.least_rows[y]) & (nearness > limits.least_columns[i]);
-            found[y] |= u16::from(is_above & is_in_cone) << i;
+            found[y] |= u16::from(is_above & (nearness > limits.nearness)) << i;
         }
     }
     Bits::new(found)

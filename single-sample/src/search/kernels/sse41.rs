@@ -20,16 +20,14 @@ pub(crate) fn run(work: impl Work) {
 #[inline]
 fn passing(limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
     let all = |value: f32| _mm_set1_ps(value);
-    let hn = all(limits.hn);
+    let (hn, least) = (all(limits.hn), all(limits.nearness));
     let columns: [__m128; 4] = cast(limits.columns);
-    let least: [__m128; 4] = cast(limits.least_columns);
     let mut found = [0; BLOCK_ROWS];
     for (y, row) in rows.iter().enumerate() {
         let texels: [__m128; 4] = cast(**row);
         for part in 0..4 {
             let plane = _mm_sub_ps(all(limits.rows[y]), columns[part]);
             let is_above = _mm_cmpgt_ps(_mm_mul_ps(hn, texels[part]), plane);
-            let least = _mm_max_ps(least[part], all(limits.least_rows[y]));
             let nearer = _mm_cmpgt_ps(texels[part], least);
             let bits = _mm_movemask_ps(_mm_and_ps(is_above, nearer));
             found[y] |= (bits as u16) << (4 * part);
