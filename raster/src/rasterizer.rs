@@ -14,7 +14,8 @@ use crate::vertices::Vertices;
 use crate::{AlphaMask, DrawStats, Payload, Target};
 
 /// Draws maps. Keep one and reuse it: it owns the scratch memory, 16 bytes per vertex and, per
-/// texel of the maps drawn at once, about a hundred at most; after the first frame of a scene nothing is allocated.
+/// texel of the maps drawn at once, of which there are at most four, about a hundred; after the
+/// first frame of a scene nothing is allocated.
 ///
 /// Its results equal [`crate::draw_plain`]'s bit for bit at every [`Level`], with any number of
 /// threads and in any order of the triangles.
@@ -30,6 +31,10 @@ pub struct Rasterizer {
 
 /// Parts that a batch of triangles is binned in, to share among threads.
 const CHUNKS: usize = 48;
+
+/// The most views that share a pass over the mesh. More would share little more, and each has
+/// scratch memory of its own.
+const MOST_BESIDE: usize = 4;
 
 /// The fewest triangles that are worth a part.
 const LEAST_CHUNK: usize = 1024;
@@ -69,7 +74,7 @@ impl Rasterizer {
     ///
     /// Rectified views ([`View::perspective_rectified`]) that follow one another share one pass over
     /// the mesh: what they have in common, rows and nearness, is computed once. That shows in the
-    /// time alone; the scratch memory then grows with the number of views.
+    /// time, and in up to four times the scratch memory.
     ///
     /// # Panics
     ///
@@ -118,7 +123,8 @@ impl Rasterizer {
                 && Projection::of(a).is_beside(&Projection::of(b))
         };
         let mut targets = targets;
-        for views in views.chunk_by(is_beside) {
+        let beside = views.chunk_by(is_beside);
+        for views in beside.flat_map(|views| views.chunks(MOST_BESIDE)) {
             let (here, rest) = targets.split_at_mut(views.len());
             let drawn = self.draw_beside(views, mesh, mask, payload, here);
             stats.drawn += drawn.drawn;
