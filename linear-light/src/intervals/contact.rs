@@ -70,12 +70,12 @@ impl Ground<'_> {
     /// within a texel, the blocker stands on the plane.
     #[inline(always)]
     pub fn end(&self, row: &[f32], x: usize, inner: usize, sign: f32) -> End {
-        let [a, b, c, d] = self.plane;
+        let [a, _, c, _] = self.plane;
         let (column, w) = (x as f32 + 0.5, row[x]);
         let slope = w - row[inner];
         let fall = -(sign * a + c * slope);
         if inner != x && fall > 0.0 {
-            let front = ((a * column + d) + b * (self.y as f32 + 0.5)) + c * w;
+            let front = self.front(x, self.y);
             let contact = if front < fall { Some(self.contact(x, inner, sign)) } else { None };
             let reach = if front < REACH * fall { front / fall } else { REACH };
             let vertex = Vertex { column: column + sign * reach, nearness: w + slope * reach };
