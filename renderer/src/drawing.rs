@@ -5,6 +5,9 @@ use shadowmap_core::{Level, Mesh, Threads, View};
 
 use crate::prepared::Prepared;
 
+/// The indices of a triangle that is not drawn but keeps its place: no vertex has them.
+pub(crate) const HIDDEN: [u32; 3] = [u32::MAX; 3];
+
 /// Who looks at a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Viewer {

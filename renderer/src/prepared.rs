@@ -7,6 +7,7 @@ use raster::AlphaMask;
 use shadowmap_core::{Surface, View};
 
 use crate::backdrops::Backdrops;
+use crate::drawing::HIDDEN;
 use crate::scene::{AlphaMode, Bounds, Material, Scene};
 use crate::solids::Solids;
 
@@ -175,7 +176,7 @@ impl<'a> Prepared<'a> {
                 let [x, y, z, w] = camera.eye();
                 surface.normal.dot(Vec3::new(x, y, z) - a * w) >= 0.0
             };
-            if shown || cameras.iter().any(faces) { triangle } else { [u32::MAX; 3] }
+            if shown || cameras.iter().any(faces) { triangle } else { HIDDEN }
         }));
         Some(triangles)
     }

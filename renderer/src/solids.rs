@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3, Vec4};
 use shadowmap_core::View;
 
+use crate::drawing::HIDDEN;
 use crate::prepared::corners;
 use crate::scene::{Bounds, Scene};
 
@@ -128,7 +129,7 @@ impl Solids {
         triangles.extend(
             all.iter().zip(&self.faces).map(
                 |(&triangle, face)| {
-                    if is_hidden(face) { [u32::MAX; 3] } else { triangle }
+                    if is_hidden(face) { HIDDEN } else { triangle }
                 },
             ),
         );
@@ -270,7 +271,7 @@ mod tests {
         let (solids, mut some) = (Solids::new(scene, masked), Vec::new());
         let all = &scene.mesh.triangles;
         let found = solids.nearest(all, views, &mut some).unwrap_or(all);
-        found.iter().filter(|triangle| triangle[0] != u32::MAX).count()
+        found.iter().filter(|&&triangle| triangle != HIDDEN).count()
     }
 
     #[test]
@@ -291,7 +292,7 @@ mod tests {
     fn what_is_open_or_looked_into_is_drawn_whole() {
         let view = seen_from(Vec3::new(2.0, 2.0, 3.0), 0.1);
         let mut open = cube();
-        open.mesh.triangles[0] = [u32::MAX; 3];
+        open.mesh.triangles[0] = HIDDEN;
         assert_eq!(count(&open, &[], &[view]), 11);
         let mut one_turned = cube();
         one_turned.mesh.triangles[3].swap(0, 1);
