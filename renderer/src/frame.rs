@@ -1,21 +1,22 @@
 //! One frame: from a scene to what is seen of every light, and to a picture.
 //!
-//! The stages run in one direction: the camera's pass, the depth maps of the lights, the visibility
-//! of every pixel, the picture. All memory is kept between frames.
+//! The stages run in one direction: the camera's pass and, beside it, the depth maps of the first
+//! light; the visibility of every pixel, light after light; the picture. All memory is kept between
+//! frames.
 
 use std::time::Duration;
 
 use linear_light::VisibilityChannels;
 use raster::{DepthBuffer, Payload};
 use reference::Tracer;
-use shadowmap_core::{Camera, Level, Surfaces, Threads, View};
+use shadowmap_core::{Camera, Level, Surfaces, Threads, View, both};
 
 use crate::drawing::{Drawing, Viewer};
 use crate::emitters::{Emitter, exposure, push_emitters};
 use crate::lighting::LightJob;
 use crate::prepared::Prepared;
 use crate::shade::{Pixels, Shading, shade};
-use crate::shadow::{Log, Scene, ShadowStage};
+use crate::shadow::{FirstMaps, Log, Scene, ShadowStage};
 use crate::stats::{Counters, StageTimes, timed};
 
 /// How far a frame goes.
@@ -55,7 +56,9 @@ pub struct Shot<'a> {
 pub struct Frame {
     level: Level,
     threads: Threads,
-    drawing: Drawing,
+    /// What the camera and the lights draw with, at the same time.
+    camera_drawing: Drawing,
+    light_drawing: Drawing,
     /// One map.
     camera: [DepthBuffer; 1],
     visibility: Vec<Vec<f32>>,
@@ -74,7 +77,8 @@ impl Frame {
         Frame {
             level,
             threads,
-            drawing: Drawing::new(level, threads),
+            camera_drawing: Drawing::new(level, threads),
+            light_drawing: Drawing::new(level, threads),
             camera: [DepthBuffer::new(0, 0)],
             visibility: Vec::new(),
             shadow: ShadowStage::new(level, threads),
@@ -138,40 +142,54 @@ impl Frame {
     }
 
     fn stages(&mut self, shot: &Shot<'_>, times: &mut StageTimes) {
-        timed(&mut times.camera_pass, || self.draw_camera(shot));
-        match shot.goal {
-            Goal::Camera => {}
-            Goal::LightMap => {
-                let mut log = Log { times, counters: &mut self.counters, holds_all: false };
-                let views = shot.lights.first().map_or(&[][..], |light| light.plan.first_views());
-                self.shadow.draw_maps(&mut self.drawing, shot.prepared, &[views], &mut log);
-            }
-            Goal::Visibility => self.draw_lights(shot, times),
-            Goal::Srgb | Goal::Linear => {
-                self.draw_lights(shot, times);
-                timed(&mut times.shade, || self.shade(shot));
-            }
+        self.draw(shot, times);
+        if shot.goal >= Goal::Visibility {
+            self.look_from_camera(shot, times);
+        }
+        if shot.goal >= Goal::Srgb {
+            timed(&mut times.shade, || self.shade(shot));
         }
     }
 
-    fn draw_camera(&mut self, shot: &Shot<'_>) {
-        let views = std::slice::from_ref(shot.camera);
-        let payload = Payload::TriangleIndex;
-        let (prepared, viewer) = (shot.prepared, Viewer::Camera);
-        let drawn = self.drawing.draw(prepared, viewer, views, payload, &mut self.camera);
-        self.counters.add("triangles drawn for the camera", drawn);
+    /// Draws what the camera sees and, beside it, the maps that the first light needs first.
+    fn draw(&mut self, shot: &Shot<'_>, times: &mut StageTimes) {
+        let first = shot.lights.first().filter(|_| shot.goal > Goal::Camera);
+        let prepared = shot.prepared;
+        let Frame { camera_drawing, light_drawing, camera, shadow, counters, .. } = self;
+        let camera = || {
+            let views = std::slice::from_ref(shot.camera);
+            camera_drawing.draw(prepared, Viewer::Camera, views, Payload::TriangleIndex, camera)
+        };
+        let light = || {
+            let Some(light) = first else { return };
+            let mut log = Log { times, counters, holds_all: false };
+            // Whoever only wants to see maps is shown those of one frustum.
+            let groups = match shot.goal {
+                Goal::LightMap => vec![light.plan.first_views()],
+                _ => light.plan.first_maps(),
+            };
+            shadow.draw_maps(light_drawing, prepared, &groups, &mut log);
+        };
+        let (mut together, mut of_camera) = (Duration::ZERO, Duration::ZERO);
+        let (drawn, ()) =
+            timed(&mut together, || both(self.threads, || timed(&mut of_camera, camera), light));
+        counters.add("triangles drawn for the camera", drawn);
+        times.share(together, of_camera);
     }
 
-    fn draw_lights(&mut self, shot: &Shot<'_>, times: &mut StageTimes) {
+    /// Finds what every pixel of the camera sees of each light. The maps that the first light needs
+    /// first are there.
+    fn look_from_camera(&mut self, shot: &Shot<'_>, times: &mut StageTimes) {
         let surfaces = Surfaces::Table(shot.prepared.surfaces());
         let camera = Camera::new(shot.camera, self.camera[0].as_depth_map(), surfaces)
             .expect("the camera's pass is drawn in the size of its view");
         let scene = Scene { prepared: shot.prepared, camera, tracer: shot.tracer };
         let mut log = Log { times, counters: &mut self.counters, holds_all: false };
         self.visibility.resize_with(shot.lights.len(), Vec::new);
-        for (light, out) in shot.lights.iter().zip(&mut self.visibility) {
+        for (index, (light, out)) in shot.lights.iter().zip(&mut self.visibility).enumerate() {
             out.resize(camera.map().nearness().len(), 0.0);
-            self.shadow.visibility(&mut self.drawing, &scene, light, &mut log, out);
+            let first = if index == 0 { FirstMaps::Drawn } else { FirstMaps::Missing };
+            self.shadow.visibility(&mut self.light_drawing, &scene, light, first, &mut log, out);
         }
     }
 

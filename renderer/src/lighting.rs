@@ -114,6 +114,17 @@ impl Plan {
         }
     }
 
+    /// The views of the maps that are held at the same time and drawn before any others, group after
+    /// group.
+    #[must_use]
+    pub fn first_maps(&self) -> Vec<&[View]> {
+        match self {
+            Plan::Middle(_) | Plan::Points(_) => vec![self.first_views()],
+            Plan::Lines(lines) => lines.first().map_or_else(Vec::new, |(_, line)| views_of(line)),
+            Plan::Rays => Vec::new(),
+        }
+    }
+
     /// The views of the maps that are shown as the light's: of its first point or frustum.
     #[must_use]
     pub fn first_views(&self) -> &[View] {
@@ -202,6 +213,12 @@ impl LightJob {
             paper: options.paper,
         })
     }
+}
+
+/// The views of each frustum of a line.
+#[must_use]
+pub fn views_of(line: &RectifiedLight) -> Vec<&[View]> {
+    line.frusta().iter().map(|frustum| frustum.views()).collect()
 }
 
 /// Whether a light is drawn as several lines.

@@ -16,7 +16,7 @@ use single_sample::{LightMap, Texels, paper, search};
 
 use crate::drawing::{Drawing, Viewer};
 use crate::faces;
-use crate::lighting::{LightJob, Plan};
+use crate::lighting::{LightJob, Plan, views_of};
 use crate::method::Method;
 use crate::prepared::Prepared;
 use crate::receivers;
@@ -53,6 +53,13 @@ pub(crate) struct Scene<'a> {
     pub camera: Camera<'a>,
     /// For ray-traced lights.
     pub tracer: Option<&'a Tracer<'a>>,
+}
+
+/// Whether the maps that a light needs first, [`Plan::first_maps`], were the last to be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FirstMaps {
+    Drawn,
+    Missing,
 }
 
 /// What is told of the work.
@@ -101,6 +108,9 @@ impl ShadowStage {
         groups: &[&[View]],
         log: &mut Log<'_>,
     ) {
+        if groups.is_empty() {
+            return;
+        }
         let count = groups.iter().map(|views| views.len()).sum();
         self.maps.resize_with(count, || DepthBuffer::new(0, 0));
         let mut maps = &mut self.maps[..];
@@ -121,13 +131,16 @@ impl ShadowStage {
         drawing: &mut Drawing,
         scene: &Scene<'_>,
         light: &LightJob,
+        first: FirstMaps,
         log: &mut Log<'_>,
         out: &mut [f32],
     ) {
         log.holds_all = light.holds_all;
+        if first == FirstMaps::Missing {
+            self.draw_maps(drawing, scene.prepared, &light.plan.first_maps(), log);
+        }
         match &light.plan {
             Plan::Middle(views) => {
-                self.draw_maps(drawing, scene.prepared, &[views], log);
                 self.by_faces(&scene.camera, light, views, log, out);
             }
             Plan::Points(samples) => {
@@ -135,8 +148,10 @@ impl ShadowStage {
                 let weight = 1.0 / samples.len() as f32;
                 let mut sample = std::mem::take(&mut self.sample);
                 sample.resize(out.len(), 0.0);
-                for views in samples {
-                    self.draw_maps(drawing, scene.prepared, &[views], log);
+                for (index, views) in samples.iter().enumerate() {
+                    if index > 0 {
+                        self.draw_maps(drawing, scene.prepared, &[views], log);
+                    }
                     self.by_faces(&scene.camera, light, views, log, &mut sample);
                     timed(&mut log.times.shadow, || {
                         for (out, sample) in out.iter_mut().zip(&sample) {
@@ -150,9 +165,10 @@ impl ShadowStage {
                 let mut sum = std::mem::take(&mut self.sample);
                 sum.clear();
                 sum.resize(out.len(), 0.0);
-                for (weight, line) in lines {
-                    let groups: Vec<_> = line.frusta().iter().map(|f| f.views()).collect();
-                    self.draw_maps(drawing, scene.prepared, &groups, log);
+                for (index, (weight, line)) in lines.iter().enumerate() {
+                    if index > 0 {
+                        self.draw_maps(drawing, scene.prepared, &views_of(line), log);
+                    }
                     match light.method {
                         Method::Skins => self.by_skins(&scene.camera, line, log, out),
                         _ => self.by_intervals(drawing, scene, line, light.adaptive, log, out),

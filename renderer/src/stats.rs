@@ -23,7 +23,8 @@ pub struct Milliseconds {
     pub total: Vec<f64>,
 }
 
-/// How long the stages of one frame took.
+/// How long the stages of one frame took. Those that ran side by side share the time that both
+/// took together, so that the stages add up to no more than the total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StageTimes {
     /// See [`Milliseconds::camera_pass`].
@@ -51,6 +52,17 @@ impl Milliseconds {
         self.shadow.push(milliseconds(frame.shadow));
         self.shade.push(milliseconds(frame.shade));
         self.total.push(milliseconds(frame.total));
+    }
+}
+
+impl StageTimes {
+    /// The camera's pass and the lights' maps, drawn side by side, took `together` in all. It is shared
+    /// out by what either took, `of_camera` and what the maps have by now.
+    pub fn share(&mut self, together: Duration, of_camera: Duration) {
+        let sum = (of_camera + self.light_maps).as_secs_f64();
+        let part = if sum > 0.0 { of_camera.as_secs_f64() / sum } else { 0.0 };
+        self.camera_pass = together.mul_f64(part);
+        self.light_maps = together - self.camera_pass;
     }
 }
 

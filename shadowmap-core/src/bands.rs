@@ -79,6 +79,19 @@ pub fn for_each_band<B: Bands>(threads: Threads, bands: B, work: &(impl Fn(usize
     }
 }
 
+/// Does two things that do not depend on each other, side by side where there are threads for it.
+pub fn both<A: Send, B: Send>(
+    threads: Threads,
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    match threads {
+        Threads::One => (first(), second()),
+        #[cfg(feature = "rayon")]
+        Threads::Pool => rayon::join(first, second),
+    }
+}
+
 fn in_order<B: Bands>(first: usize, count: usize, mut bands: B, work: &impl Fn(usize, B)) {
     for index in first..first + count {
         let (band, rest) = bands.split_at(1);

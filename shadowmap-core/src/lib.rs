@@ -11,7 +11,8 @@
 //!   [`Bias`] that needs no tuning.
 //! * [`Camera`] and [`Warp`]: the receivers as a camera sees them, and their way into a light's map.
 //! * [`Level`]: which SIMD instructions this machine has.
-//! * [`Threads`] and [`for_each_band`]: work split into bands of rows that never share one.
+//! * [`Threads`] and [`for_each_band`]: work split into bands of rows that never share one; [`both`]:
+//!   two stages side by side.
 //!
 //! # Conventions
 //!
@@ -53,7 +54,7 @@ mod receiver;
 mod view;
 mod warp;
 
-pub use bands::{BandSlice, Bands, Threads, for_each_band};
+pub use bands::{BandSlice, Bands, Threads, both, for_each_band};
 pub use bias::Bias;
 pub use camera::{Camera, SizeError, Surface, Surfaces};
 pub use depth::{DepthConvention, ForeignDepth};
