@@ -2,7 +2,6 @@
 //! pass, maps and visibility together, beside rays, each with its error.
 
 use glam::Vec3;
-use reference::{Samples, Tracer};
 use renderer::builtin;
 use renderer::camera::{CameraOptions, choose, view};
 use renderer::frame::{Frame, Goal, Shot};
@@ -12,26 +11,27 @@ use renderer::prepared::Prepared;
 use renderer::scene::SceneLight;
 use shadowmap_core::{Level, Light, Threads};
 
-use super::{Bench, Group, Variant};
-use crate::compare::compare;
+use super::rays::Rays;
+use super::{Bench, Case, Group, Variant};
 
-/// Rays per pixel of what errors are measured against.
-const TRUTH: u32 = 1024;
-
-/// Runs the comparisons.
-pub fn run(bench: &mut Bench) {
-    let lines: &[u32] = if bench.quick() { &[4] } else { &[2, 4, 8, 16] };
-    let rays: &[u32] = if bench.quick() { &[16] } else { &[4, 16, 64, 256] };
-    let edges = (Vec3::X, Vec3::Z);
-    let corner = Vec3::new(1.0, 6.0, 1.0);
-    let rectangle = Light::Rectangle { corner, edge_u: edges.0, edge_v: edges.1 };
-    let of_lines = |count: &u32| (format!("{count} lines"), intervals(Some(*count)));
-    beside_rays(bench, "torus", "rectangle", rectangle, lines.iter().map(of_lines).collect(), rays);
-    let adaptive = ("adaptive samples".to_owned(), intervals(None));
-    let two = ("2 samples".to_owned(), intervals(Some(2)));
-    let rays: &[u32] = if bench.quick() { &[16] } else { &[16, 64] };
-    let tube = Light::Linear { a: Vec3::new(0.5, 8.0, 1.5), b: Vec3::new(2.5, 8.0, 1.5) };
-    beside_rays(bench, "crowded", "linear", tube, vec![two, adaptive], rays);
+/// The cases.
+pub fn cases(quick: bool) -> [Case; 2] {
+    let lines: &[u32] = if quick { &[4] } else { &[2, 4, 8, 16] };
+    let rays: &[u32] = if quick { &[16] } else { &[4, 16, 64, 256] };
+    let rectangle = Case::new(1, |bench| {
+        let corner = Vec3::new(1.0, 6.0, 1.0);
+        let light = Light::Rectangle { corner, edge_u: Vec3::X, edge_v: Vec3::Z };
+        let of_lines = |count: &u32| (format!("{count} lines"), intervals(Some(*count)));
+        beside_rays(bench, "torus", "rectangle", light, lines.iter().map(of_lines).collect(), rays);
+    });
+    let rays: &[u32] = if quick { &[16] } else { &[16, 64] };
+    let tube = Case::new(1, |bench| {
+        let light = Light::Linear { a: Vec3::new(0.5, 8.0, 1.5), b: Vec3::new(2.5, 8.0, 1.5) };
+        let adaptive = ("adaptive samples".to_owned(), intervals(None));
+        let two = ("2 samples".to_owned(), intervals(Some(2)));
+        beside_rays(bench, "crowded", "linear", light, vec![two, adaptive], rays);
+    });
+    [rectangle, tube]
 }
 
 fn intervals(samples: Option<u32>) -> LightOptions {
@@ -52,7 +52,7 @@ fn beside_rays(
     let prepared = Prepared::new(&scene);
     let camera = choose(&scene, &CameraOptions::default()).expect("built-in scenes have cameras");
     let camera = view(&camera, [512; 2], prepared.bounds());
-    let tracer = Tracer::new(&scene.mesh.as_mesh());
+    let truth = Rays::new(&scene.mesh.as_mesh(), light, &camera);
     let light =
         SceneLight { name: kind.to_owned(), light, color: Vec3::ONE, intensity: 1.0, spot: None };
     for &rays in rays {
@@ -67,11 +67,6 @@ fn beside_rays(
             (variant, [job.expect("the method knows the light")])
         })
         .collect();
-    let receivers = tracer.receivers(&camera, Threads::Pool);
-    let (positions, normals) = (&receivers.positions, &receivers.normals);
-    let mut truth = vec![0.0; positions.len()];
-    let samples = Samples::Fixed(TRUTH);
-    tracer.visibility(&light.light, positions, normals, samples, Threads::Pool, &mut truth);
     let mut errors = Vec::new();
     let mut variants = Vec::new();
     for (variant, lights) in &jobs {
@@ -80,12 +75,18 @@ fn beside_rays(
             camera: &camera,
             aa: 1,
             lights,
-            tracer: Some(&tracer),
+            tracer: Some(&truth.tracer),
             goal: Goal::Visibility,
         };
         let mut frame = Frame::new(Level::detect(), Threads::One);
         frame.render(&shot);
-        let error = compare(camera.width(), &frame.visibility()[0], &truth).penumbra_rmse;
+        let mut plain = Frame::new(Level::SCALAR, Threads::Pool);
+        plain.render(&shot);
+        assert!(
+            frame.visibility() == plain.visibility(),
+            "{name}, {variant}: differs from plain Rust"
+        );
+        let error = truth.penumbra_rmse(&frame.visibility()[0]);
         errors.push(format!("{variant} {error:.4}"));
         variants.push(Variant::new(variant.clone(), move || frame.render(&shot)));
     }
@@ -96,7 +97,7 @@ fn beside_rays(
     bench.compare(Group {
         name: format!("{name} {kind} light, maps of 1024"),
         x: None,
-        work: Some((truth.len() as f64, "pixels")),
+        work: Some((truth.pixels() as f64, "pixels")),
         bytes: None,
         variants,
     });

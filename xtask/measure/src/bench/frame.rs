@@ -9,7 +9,7 @@ use renderer::method::Method;
 use renderer::prepared::Prepared;
 use shadowmap_core::{Level, Light, Threads};
 
-use super::{Bench, Group, Variant};
+use super::{Bench, Case, Group, Variant, count, on};
 
 /// Scene, method, side of the map, samples.
 type Setup = (&'static str, Method, u32, u32);
@@ -24,14 +24,15 @@ const SETUPS: [Setup; 6] = [
     ("crowded", Method::Intervals, 1024, 2),
 ];
 
-/// Runs the part.
-pub fn run(bench: &mut Bench) {
+/// The cases of this part.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let mut cases = Vec::new();
     for setup in SETUPS {
         let (name, method, map, _) = setup;
         let group = format!("{name}, {method}, camera 512², map {map}²");
-        frame(bench, setup, 512, group, None);
+        cases.push(Case::new(1, move |bench| frame(bench, setup, 512, group, None)));
     }
-    let sides: &[u32] = if bench.quick() { &[256, 1024] } else { &[256, 512, 1024, 2048, 4096] };
+    let sides: &[u32] = if quick { &[256, 1024] } else { &[256, 512, 1024, 2048, 4096] };
     for (name, method, samples) in [
         ("torus", Method::Search, 1),
         ("torus", Method::Intervals, 2),
@@ -40,12 +41,15 @@ pub fn run(bench: &mut Bench) {
         for &side in sides {
             let x = Some(("map side, texels", f64::from(side)));
             let group = format!("{name}, {method}, camera 512², map {side}");
-            frame(bench, (name, method, side, samples), 512, group, x);
+            let setup = (name, method, side, samples);
+            cases.push(Case::new(1, move |bench| frame(bench, setup, 512, group, x)));
             let x = Some(("camera side, pixels", f64::from(side)));
             let group = format!("{name}, {method}, map 1024², camera {side}");
-            frame(bench, (name, method, 1024, samples), side, group, x);
+            let setup = (name, method, 1024, samples);
+            cases.push(Case::new(1, move |bench| frame(bench, setup, side, group, x)));
         }
     }
+    cases
 }
 
 fn frame(
@@ -77,28 +81,18 @@ fn frame(
     };
     let mut plain = Frame::new(Level::SCALAR, Threads::One);
     plain.render(&shot);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let variants = [Threads::One, Threads::Pool].map(|threads| {
         let mut frame = Frame::new(Level::detect(), threads);
-        let pool = &pool;
+        on(threads, || frame.render(&shot));
+        assert!(frame.srgb() == plain.srgb(), "{group}: differs from plain Rust");
         let shot = &shot;
-        let mut draw = move || match threads {
-            Threads::One => frame.render(shot),
-            Threads::Pool => pool.install(|| frame.render(shot)),
-        };
-        draw();
-        let name = if threads == Threads::One { "1 thread" } else { "2 threads" };
-        (name, draw)
+        Variant::on(threads, count(threads), move || frame.render(shot))
     });
-    // One frame of the widest level must be the plain one's, to the bit.
-    let mut fast = Frame::new(Level::detect(), Threads::One);
-    fast.render(&shot);
-    assert!(fast.srgb() == plain.srgb(), "{name} {method} differs between levels");
     bench.compare(Group {
         name: group,
         x,
         work: Some((1.0, "frames")),
         bytes: None,
-        variants: variants.into_iter().map(|(name, draw)| Variant::new(name, draw)).collect(),
+        variants: variants.into(),
     });
 }

@@ -1,26 +1,59 @@
-//! Timing variants in turn.
+//! Timing variants in turn, frame after frame.
 //!
 //! The library harnesses time one function after the other, minutes apart on a machine whose speed
-//! drifts. Here all variants of a comparison run in turn, round by round, and ratios are taken
-//! within a round: they hold to a few per cent where absolute times do not.
+//! drifts. Here all variants of a comparison are visited in turn, round by round, and ratios are
+//! taken within a round: they hold to a few per cent where absolute times do not.
+//!
+//! What a visit measures is a program that does the same thing again and again: it first runs
+//! without being timed until caches hold what the variant needs and its threads are awake, then runs
+//! for some milliseconds and keeps the median. Rounds are repeated until the ratios are known well
+//! enough, so short and steady variants are done soon.
 
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
+use shadowmap_core::Threads;
 
 use super::machine::Machine;
+use super::progress::Progress;
+use super::threads::on;
+
+/// How long a variant runs per visit before it is timed, at least: two drawings of a map of 1024²
+/// are slow after another variant has had the cache, the third is not.
+const WARM_UP: Duration = Duration::from_millis(2);
+
+/// How long it is timed per visit, at least.
+const VISIT: Duration = Duration::from_millis(10);
+
+/// What the clock resolves to a thousandth.
+const CLOCK: f64 = 1e-4;
+
+/// No fewer rounds.
+const ROUNDS: usize = 5;
+
+/// Rounds end when the standard error of every ratio is below this share of it.
+const PRECISION: f64 = 0.004;
 
 /// One way of doing the work of a comparison.
 pub struct Variant<'a> {
     name: String,
-    run: Box<dyn FnMut() + 'a>,
+    threads: Threads,
+    run: Box<dyn FnMut() + Send + 'a>,
 }
 
 impl<'a> Variant<'a> {
-    /// A variant that `run` performs once per call.
-    pub fn new(name: impl Into<String>, run: impl FnMut() + 'a) -> Variant<'a> {
-        Variant { name: name.into(), run: Box::new(run) }
+    /// A variant that `run` performs once per call, on one thread.
+    pub fn new(name: impl Into<String>, run: impl FnMut() + Send + 'a) -> Variant<'a> {
+        Variant::on(Threads::One, name, run)
+    }
+
+    /// A variant that `run` performs once per call, on one thread or within [`on`] two.
+    pub fn on(
+        threads: Threads,
+        name: impl Into<String>,
+        run: impl FnMut() + Send + 'a,
+    ) -> Variant<'a> {
+        Variant { name: name.into(), threads, run: Box::new(run) }
     }
 }
 
@@ -39,6 +72,8 @@ pub struct Record {
     pub median_ms: f64,
     /// First and third quartile in milliseconds.
     pub quartiles_ms: [f64; 2],
+    /// How often it was visited.
+    pub rounds: usize,
     /// Median over the rounds of this variant's time relative to the first variant of its group.
     pub ratio: f64,
     /// Units of work per run and their name, e.g. 1,048,576 `pixels`.
@@ -64,8 +99,26 @@ pub struct Results {
 pub struct Bench {
     quick: bool,
     part: String,
-    progress: ProgressBar,
+    progress: Progress,
     results: Results,
+}
+
+/// A setup, and the comparisons that it is made for.
+pub struct Case {
+    comparisons: usize,
+    run: Box<dyn FnOnce(&mut Bench)>,
+}
+
+impl Case {
+    /// A case of so many comparisons, which `run` makes.
+    pub fn new(comparisons: usize, run: impl FnOnce(&mut Bench) + 'static) -> Case {
+        Case { comparisons, run: Box::new(run) }
+    }
+
+    /// How many comparisons it makes.
+    pub fn comparisons(&self) -> usize {
+        self.comparisons
+    }
 }
 
 /// A comparison to be timed.
@@ -84,14 +137,11 @@ pub struct Group<'a> {
 }
 
 impl Bench {
-    /// An empty benchmark.
-    pub fn new(quick: bool) -> Bench {
-        let progress = ProgressBar::new_spinner();
-        let style = ProgressStyle::with_template("{spinner} {elapsed} {msg}");
-        progress.set_style(style.expect("the template is well-formed"));
+    /// An empty benchmark of so many comparisons.
+    pub fn new(quick: bool, comparisons: usize) -> Bench {
         let machine = Machine::this();
         let results = Results { machine, quick, records: Vec::new(), notes: Vec::new() };
-        Bench { quick, part: String::new(), progress, results }
+        Bench { quick, part: String::new(), progress: Progress::new(comparisons), results }
     }
 
     /// Whether to choose fewer sizes.
@@ -99,9 +149,20 @@ impl Bench {
         self.quick
     }
 
-    /// What follows belongs to this part.
-    pub fn begin_part(&mut self, name: &str) {
-        self.part = name.to_owned();
+    /// Runs a case of a part.
+    ///
+    /// # Panics
+    ///
+    /// If it makes more or fewer comparisons than it was planned with.
+    pub fn run(&mut self, part: &str, case: Case) {
+        part.clone_into(&mut self.part);
+        let before = self.progress.done();
+        (case.run)(self);
+        assert_eq!(
+            self.progress.done() - before,
+            case.comparisons,
+            "a case of {part} is misplanned"
+        );
     }
 
     /// A remark for the report.
@@ -111,64 +172,83 @@ impl Bench {
 
     /// Times the variants of a group in turn. What they compute must have been checked before.
     pub fn compare(&mut self, mut group: Group<'_>) {
-        self.progress.set_message(format!("{} {}", self.part, group.name));
-        self.progress.tick();
-        let budget = Duration::from_millis(if self.quick { 150 } else { 800 });
+        self.progress.begin(&format!("{} {}", self.part, group.name));
+        let budget = Duration::from_millis(if self.quick { 700 } else { 2000 });
         let rounds = rounds(&mut group.variants, budget);
-        let medians = rounds.iter().map(|times| quantile(times, 0.5));
-        for (index, median) in medians.enumerate() {
-            let ratios: Vec<f64> =
-                rounds[index].iter().zip(&rounds[0]).map(|(own, first)| own / first).collect();
+        for (index, times) in rounds.iter().enumerate() {
             self.results.records.push(Record {
                 part: self.part.clone(),
                 group: group.name.clone(),
                 variant: group.variants[index].name.clone(),
                 x: group.x.map(|(quantity, value)| (quantity.to_owned(), value)),
-                median_ms: median * 1e3,
-                quartiles_ms: [0.25, 0.75].map(|q| quantile(&rounds[index], q) * 1e3),
-                ratio: quantile(&ratios, 0.5),
+                median_ms: quantile(times, 0.5) * 1e3,
+                quartiles_ms: [0.25, 0.75].map(|q| quantile(times, q) * 1e3),
+                ratio: quantile(&ratios(times, &rounds[0]), 0.5),
+                rounds: times.len(),
                 work: group.work.map(|(count, unit)| (count, unit.to_owned())),
                 bytes: group.bytes,
             });
         }
+        self.progress.end();
     }
 
     /// The results.
     pub fn finish(self) -> Results {
-        self.progress.finish_and_clear();
+        self.progress.finish();
         self.results
     }
 }
 
-/// Seconds per run of each variant, one figure per round; at least five rounds.
+/// Seconds per run of each variant, one figure per round.
 fn rounds(variants: &mut [Variant<'_>], budget: Duration) -> Vec<Vec<f64>> {
-    // A round runs each variant often enough to be seen by the clock.
-    let repeats: Vec<u32> = variants
-        .iter_mut()
-        .map(|variant| {
-            (variant.run)();
-            let once = time(&mut variant.run, 1).max(1e-9);
-            (2e-3 / once).ceil().clamp(1.0, 1e5) as u32
-        })
-        .collect();
     let mut times = vec![Vec::new(); variants.len()];
     let start = Instant::now();
-    while times[0].len() < 5 || (start.elapsed() < budget && times[0].len() < 101) {
-        for ((variant, &repeats), times) in variants.iter_mut().zip(&repeats).zip(&mut times) {
-            // What the variant before left behind, cold caches and sleeping threads, is not timed.
-            (variant.run)();
-            times.push(time(&mut variant.run, repeats) / f64::from(repeats));
+    while times[0].len() < ROUNDS || (start.elapsed() < budget && !known(&times)) {
+        for (variant, times) in variants.iter_mut().zip(&mut times) {
+            let run = &mut variant.run;
+            times.push(on(variant.threads, || visit(run)));
         }
     }
     times
 }
 
-fn time(run: &mut dyn FnMut(), repeats: u32) -> f64 {
+/// Seconds per run, frame after frame.
+fn visit(run: &mut (dyn FnMut() + Send)) -> f64 {
     let start = Instant::now();
-    for _ in 0..repeats {
+    let mut runs = 0;
+    while runs == 0 || start.elapsed() < WARM_UP {
         run();
+        runs += 1;
     }
-    start.elapsed().as_secs_f64()
+    let once = start.elapsed().as_secs_f64() / f64::from(runs);
+    let repeats = (CLOCK / once).ceil() as u32;
+    let start = Instant::now();
+    let mut times = Vec::new();
+    while times.is_empty() || start.elapsed() < VISIT {
+        let start = Instant::now();
+        for _ in 0..repeats {
+            run();
+        }
+        times.push(start.elapsed().as_secs_f64() / f64::from(repeats));
+    }
+    quantile(&times, 0.5)
+}
+
+/// Whether all ratios are known to [`PRECISION`].
+fn known(times: &[Vec<f64>]) -> bool {
+    times.iter().all(|own| {
+        let ratios = ratios(own, &times[0]);
+        // Of normally distributed values the quartiles are 1.35 standard deviations apart, and the
+        // median is 1.25 times as uncertain as the mean.
+        let deviation = (quantile(&ratios, 0.75) - quantile(&ratios, 0.25)) / 1.35;
+        let error = 1.25 * deviation / (ratios.len() as f64).sqrt();
+        error < PRECISION * quantile(&ratios, 0.5)
+    })
+}
+
+/// A variant's times relative to those of the first one in the same round.
+fn ratios(own: &[f64], first: &[f64]) -> Vec<f64> {
+    own.iter().zip(first).map(|(own, first)| own / first).collect()
 }
 
 /// The value below which a share `q` of the values lies.

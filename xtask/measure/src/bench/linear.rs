@@ -5,39 +5,42 @@ use linear_light::{
     FrustumMaps, INTERVAL_BIAS, IntervalVisibility, RectifiedLight, SampleMap, SkinOptions,
     SkinShadow, VisibilityChannels,
 };
-use raster::{DepthBuffer, Payload, Rasterizer, Target};
-use reference::{Receivers, Samples, Tracer};
+use raster::{DepthBuffer, Payload, Rasterizer, Target, draw_plain};
 use renderer::builtin;
 use renderer::camera::{CameraOptions, choose, view};
 use renderer::lighting::{LightJob, LightOptions, Plan};
 use renderer::method::Method;
 use renderer::prepared::Prepared;
-use renderer::scene::Scene;
+use renderer::scene::{Scene, SceneLight};
 use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
 
-use super::{Bench, Group, Variant, area};
+use super::rays::Rays;
+use super::{Bench, Case, Group, Variant, area, count, on};
 use crate::compare::compare;
 
 /// Side of the camera's image.
 const SIDE: u32 = 512;
 
-/// Rays per pixel of what errors are measured against.
-const TRUTH: u32 = 1024;
-
-/// Runs the part.
-pub fn run(bench: &mut Bench) {
-    let sizes: &[u32] = if bench.quick() { &[1024] } else { &[512, 1024, 2048] };
+/// The cases of this part.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let sizes: &[u32] = if quick { &[1024] } else { &[512, 1024, 2048] };
+    let five_samples = usize::from(!quick);
+    let mut cases = Vec::new();
     for name in ["torus", "crowded"] {
-        let shot = Shot::new(name);
-        for &size in sizes {
-            intervals(bench, &shot, size, 2);
-        }
-        if !bench.quick() {
-            intervals(bench, &shot, 1024, 5);
-        }
-        skins(bench, &shot);
+        cases.push(Case::new(sizes.len() + five_samples, move |bench| {
+            let shot = Shot::new(name);
+            let rays = Rays::new(&shot.scene.mesh.as_mesh(), shot.light().light, &shot.view);
+            for &size in sizes {
+                intervals(bench, &shot, &rays, size, 2);
+            }
+            if five_samples > 0 {
+                intervals(bench, &shot, &rays, 1024, 5);
+            }
+        }));
+        cases.push(Case::new(2, move |bench| skins(bench, &Shot::new(name))));
     }
-    area::run(bench);
+    cases.extend(area::cases(quick));
+    cases
 }
 
 /// A scene, and what its camera sees.
@@ -59,20 +62,24 @@ impl Shot {
         Shot { name, scene, view, image }
     }
 
-    /// The scene's linear light with maps as the program takes them.
-    fn light(&self, prepared: &Prepared<'_>, size: u32, samples: u32) -> (Light, RectifiedLight) {
-        let linear = self.scene.lights.iter();
-        let light = linear.clone().find(|light| matches!(light.light, Light::Linear { .. }));
-        let light = light.expect("the scene has a linear light");
+    /// The scene's linear light.
+    fn light(&self) -> &SceneLight {
+        let mut lights = self.scene.lights.iter();
+        let light = lights.find(|light| matches!(light.light, Light::Linear { .. }));
+        light.expect("the scene has a linear light")
+    }
+
+    /// The same with views as the program takes them.
+    fn line(&self, prepared: &Prepared<'_>, size: u32, samples: u32) -> RectifiedLight {
         let options = LightOptions {
             method: Some(Method::Intervals),
             samples: Some(samples),
             map_size: size,
             ..LightOptions::default()
         };
-        let job = LightJob::new(light, &options, prepared, &self.view).expect("it fits");
+        let job = LightJob::new(self.light(), &options, prepared, &self.view).expect("it fits");
         match job.plan {
-            Plan::Lines(mut lines) => (light.light, lines.remove(0).1),
+            Plan::Lines(mut lines) => lines.remove(0).1,
             _ => unreachable!("a linear light is a line"),
         }
     }
@@ -83,15 +90,28 @@ fn draw(rasterizer: &mut Rasterizer, mesh: &Mesh<'_>, views: &[View], maps: &mut
     rasterizer.draw_many(views, mesh, Payload::ObjectId, &mut targets);
 }
 
+/// Maps of these views, each as the plain rasterizer draws it.
+fn checked_maps(rasterizer: &mut Rasterizer, mesh: &Mesh<'_>, views: &[View]) -> Vec<DepthBuffer> {
+    let plain = |view: &View| {
+        let mut map = DepthBuffer::new(view.width(), view.height());
+        draw_plain(view, mesh, None, Payload::ObjectId, map.target());
+        map
+    };
+    let expected: Vec<DepthBuffer> = views.iter().map(plain).collect();
+    let mut maps = expected.clone();
+    draw(rasterizer, mesh, views, &mut maps);
+    assert!(maps == expected, "the maps of a linear light differ from the plain version");
+    maps
+}
+
 /// Every stage of intervals, at every level and on two threads, and rays.
-fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
+fn intervals(bench: &mut Bench, shot: &Shot, rays: &Rays<'_>, size: u32, samples: u32) {
     let prepared = Prepared::new(&shot.scene);
     let mesh = shot.scene.mesh.as_mesh();
-    let (light, line) = shot.light(&prepared, size, samples);
+    let line = shot.line(&prepared, size, samples);
     let views = &line.frusta()[0];
-    let mut maps = vec![DepthBuffer::new(size, size); samples as usize];
     let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
-    draw(&mut rasterizer, &mesh, views.views(), &mut maps);
+    let maps = checked_maps(&mut rasterizer, &mesh, views.views());
     let mut drawn = maps.clone();
     let last = (samples - 1) as f32;
     let samples_at = maps.iter().enumerate();
@@ -110,16 +130,6 @@ fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
         (intervals, out)
     };
     let (_, expected) = judge(Level::SCALAR, Threads::One);
-    let tracer = Tracer::new(&mesh);
-    let Receivers { positions, normals, .. } = tracer.receivers(&shot.view, Threads::Pool);
-    let trace = |rays: u32, threads: Threads, out: &mut [f32]| {
-        tracer.visibility(&light, &positions, &normals, Samples::Fixed(rays), threads, out);
-    };
-    let mut truth = vec![0.0; pixels];
-    trace(TRUTH, Threads::Pool, &mut truth);
-    let rmse = |found: &[f32]| compare(camera.map().width(), found, &truth).penumbra_rmse;
-    let error = rmse(&expected);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let mut bounds = IntervalVisibility::new(Level::detect(), Threads::One);
     let mut variants = vec![
         Variant::new("maps", move || draw(&mut rasterizer, &mesh, views.views(), &mut drawn)),
@@ -127,28 +137,23 @@ fn intervals(bench: &mut Bench, shot: &Shot, size: u32, samples: u32) {
     ];
     let one_thread = Level::available().map(|level| (level, Threads::One));
     for (level, threads) in one_thread.chain([(Level::detect(), Threads::Pool)]) {
-        let (mut intervals, mut out) = judge(level, threads);
+        let (mut intervals, mut out) = on(threads, || judge(level, threads));
         let name = level.kind().name();
         assert!(out == expected, "{name} differs from the plain level");
-        let count = if threads == Threads::One { "1 thread" } else { "2 threads" };
-        let (pool, camera, frusta) = (&pool, &camera, &frusta);
-        variants.push(Variant::new(format!("visibility, {name}, {count}"), move || {
-            let mut run = || intervals.visibility(camera, frusta, INTERVAL_BIAS, &mut out);
-            match threads {
-                Threads::One => run(),
-                Threads::Pool => pool.install(run),
-            };
+        let (camera, frusta) = (&camera, &frusta);
+        let name = format!("visibility, {name}, {}", count(threads));
+        variants.push(Variant::on(threads, name, move || {
+            intervals.visibility(camera, frusta, INTERVAL_BIAS, &mut out);
         }));
     }
-    let rays: &[u32] = if bench.quick() { &[32] } else { &[16, 32, 64] };
-    let mut errors = vec![format!("intervals {error:.4}")];
-    for &rays in rays {
+    let counts: &[u32] = if bench.quick() { &[32] } else { &[16, 32, 64] };
+    let mut errors = vec![format!("intervals {:.4}", rays.penumbra_rmse(&expected))];
+    for &count in counts {
         let mut out = vec![0.0; pixels];
-        trace(rays, Threads::One, &mut out);
-        errors.push(format!("{rays} rays {:.4}", rmse(&out)));
-        let trace = &trace;
-        variants.push(Variant::new(format!("{rays} rays per pixel"), move || {
-            trace(rays, Threads::One, &mut out);
+        rays.trace(count, Threads::One, &mut out);
+        errors.push(format!("{count} rays {:.4}", rays.penumbra_rmse(&out)));
+        variants.push(Variant::new(format!("{count} rays per pixel"), move || {
+            rays.trace(count, Threads::One, &mut out);
         }));
     }
     bench.note(format!(
@@ -174,11 +179,10 @@ fn skins(bench: &mut Bench, shot: &Shot) {
     let (size, samples) = (512, 3);
     let prepared = Prepared::new(&shot.scene);
     let mesh = shot.scene.mesh.as_mesh();
-    let (_, line) = shot.light(&prepared, size, samples);
+    let line = shot.line(&prepared, size, samples);
     let views = &line.frusta()[0];
-    let mut maps = vec![DepthBuffer::new(size, size); samples as usize];
     let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
-    draw(&mut rasterizer, &mesh, views.views(), &mut maps);
+    let maps = checked_maps(&mut rasterizer, &mesh, views.views());
     let mut drawn = maps.clone();
     let maps: Vec<DepthMap<'_>> = maps.iter().map(DepthBuffer::as_depth_map).collect();
     let options = |level| SkinOptions { level, threads: Threads::One, ..SkinOptions::default() };

@@ -8,28 +8,32 @@ mod linear;
 mod machine;
 mod options;
 mod page;
+mod progress;
 mod raster;
+mod rays;
 mod readme;
 mod report;
 mod search;
 mod single;
+mod threads;
 
-pub use harness::{Bench, Group, Variant};
+pub use harness::{Bench, Case, Group, Variant};
+pub use threads::{count, on};
 
 use std::process::ExitCode;
 
 use options::Options;
 
-/// A part of the benchmark: its name on the command line, and what runs it.
-type Part = (&'static str, fn(&mut Bench));
+/// A part of the benchmark: its name on the command line, and its cases, fewer for a quick run.
+type Part = (&'static str, fn(bool) -> Vec<Case>);
 
 /// One part per stage, in the order of the data.
 const PARTS: &[Part] = &[
-    ("raster", raster::run),
-    ("search", search::run),
-    ("single", single::run),
-    ("linear", linear::run),
-    ("frame", frame::run),
+    ("raster", raster::cases),
+    ("search", search::cases),
+    ("single", single::cases),
+    ("linear", linear::cases),
+    ("frame", frame::cases),
 ];
 
 /// Runs the command.
@@ -49,11 +53,15 @@ pub fn run(arguments: &[String]) -> ExitCode {
     if let Some(purpose) = options.instructions {
         return exit(instructions::run(purpose));
     }
-    let mut bench = Bench::new(options.quick);
-    for (name, part) in PARTS {
-        if options.parts.is_empty() || options.parts.iter().any(|chosen| chosen == name) {
-            bench.begin_part(name);
-            part(&mut bench);
+    let chosen = |name: &str| options.parts.is_empty() || options.parts.iter().any(|p| p == name);
+    let parts = PARTS.iter().filter(|(name, _)| chosen(name));
+    let plan: Vec<(&str, Vec<Case>)> =
+        parts.map(|(name, cases)| (*name, cases(options.quick))).collect();
+    let comparisons = plan.iter().flat_map(|(_, cases)| cases).map(Case::comparisons).sum();
+    let mut bench = Bench::new(options.quick, comparisons);
+    for (name, cases) in plan {
+        for case in cases {
+            bench.run(name, case);
         }
     }
     let results = bench.finish();

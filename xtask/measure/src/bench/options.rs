@@ -70,8 +70,8 @@ fn help(parts: &[&str]) -> String {
     format!(
         "cargo xtask bench [PART ...] [options]
 
-Times the stages of the workspace. Each is checked against its oracle first; variants that are
-compared run in turn within one process, so that ratios hold on a noisy machine.
+Times the stages of the workspace, frame after frame. Each is checked against its oracle first;
+variants that are compared run in turn within one process, so that ratios hold on a noisy machine.
 
 Parts: {}
 

@@ -19,9 +19,11 @@ pub fn html(results: &Results, parts: &[&'static str]) -> String {
             " GB/s within 8 MiB, read and written bytes together."
         }
         p {
-            "Every result was checked before it was timed. The variants of a group ran in turn, "
-            "round by round; times are medians with their quartiles, and a ratio is the median over "
-            "the rounds of the time relative to the group's first variant."
+            "What is timed is frame after frame: every result was checked first; then the variants "
+            "of a group ran in turn, round by round, each until caches and threads were warm and "
+            "then for 10 ms or more, of which the median was kept. Times are medians over the "
+            "rounds with their quartiles, and a ratio is the median over the rounds of the time "
+            "relative to the group's first variant. Two threads keep to two cores."
             @if results.quick { " This was a quick run: fewer sizes, fewer rounds." }
         }
     };

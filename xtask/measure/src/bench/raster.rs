@@ -9,31 +9,41 @@ use raster::{DepthBuffer, Payload, Rasterizer, draw_plain};
 use renderer::scene::TriangleMesh;
 use shadowmap_core::{Level, Threads, View, Window};
 
-use super::{Bench, Group, Variant};
+use super::{Bench, Case, Group, Variant, count, on};
 
 /// Nearness and ID of a texel.
 const BYTES_PER_TEXEL: f64 = 8.0;
 
-/// Runs the part.
-pub fn run(bench: &mut Bench) {
-    let levels_here: Vec<&str> = Level::available().map(|level| level.kind().name()).collect();
-    bench.note(format!(
-        "each level was checked against the plain version: {}",
-        levels_here.join(", ")
-    ));
-    let sizes: &[u32] = if bench.quick() { &[256, 1024] } else { &[256, 512, 1024, 2048] };
-    let torus = renderer::builtin::scene("torus").expect("torus is built in").mesh;
-    let sphere = sphere(1000, 500);
-    for (name, mesh, degrees) in [("quad", &quad(), 60.0), ("torus", &torus, 90.0)] {
+/// The cases of this part.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let sizes: &[u32] = if quick { &[256, 1024] } else { &[256, 512, 1024, 2048] };
+    let mut cases = Vec::new();
+    for (name, mesh, degrees) in [
+        ("quad", quad as fn() -> TriangleMesh, 60.0),
+        ("torus", torus, 90.0),
+        ("sphere 1M", million, 60.0),
+    ] {
         for &size in sizes {
-            levels(bench, name, mesh, degrees, size);
+            cases.push(Case::new(1, move |bench| levels(bench, name, &mesh(), degrees, size)));
         }
     }
-    for &size in sizes {
-        levels(bench, "sphere 1M", &sphere, 60.0, size);
+    cases.push(Case::new(1, |bench| linear_light(bench, &million())));
+    let rings: &[u32] = if quick { &[32, 256] } else { &[32, 64, 128, 256, 512, 1024, 2048] };
+    for &ring in rings {
+        let triangles = f64::from(ring) * f64::from(ring);
+        let name = format!("growth with triangles: {triangles}");
+        cases.push(Case::new(1, move |bench| {
+            growth(bench, name, ("triangles", triangles), &sphere(ring, ring / 2), 60.0, 1024);
+        }));
     }
-    linear_light(bench, &sphere);
-    growth(bench, &torus);
+    for size in [256, 512, 1024, 2048, 4096] {
+        let texels = f64::from(size) * f64::from(size);
+        let name = format!("growth with texels: {texels}");
+        cases.push(Case::new(1, move |bench| {
+            growth(bench, name, ("texels", texels), &torus(), 90.0, size);
+        }));
+    }
+    cases
 }
 
 /// The light's view of a scene.
@@ -48,7 +58,6 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
     let mesh = mesh.as_mesh();
     let mut expected = DepthBuffer::new(size, size);
     draw_plain(&view, &mesh, None, Payload::ObjectId, expected.target());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let mut plain = expected.clone();
     let mut variants = vec![Variant::new("plain", || {
         draw_plain(&view, &mesh, None, Payload::ObjectId, plain.target());
@@ -57,20 +66,14 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
     for (level, threads) in one_thread.chain([(Level::detect(), Threads::Pool)]) {
         let mut rasterizer = Rasterizer::new(level, threads);
         let mut map = DepthBuffer::new(size, size);
-        let pool = &pool;
         let mut draw = move |map: &mut DepthBuffer| {
-            match threads {
-                Threads::One => rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target()),
-                Threads::Pool => {
-                    pool.install(|| rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target()))
-                }
-            };
+            rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target());
         };
-        draw(&mut map);
+        on(threads, || draw(&mut map));
         let name = level.kind().name();
         assert!(map == expected, "{name} differs from the plain version");
-        let label = if threads == Threads::One { "1 thread" } else { "2 threads" };
-        variants.push(Variant::new(format!("{name}, {label}"), move || draw(&mut map)));
+        let name = format!("{name}, {}", count(threads));
+        variants.push(Variant::on(threads, name, move || draw(&mut map)));
     }
     let work = if name == "quad" {
         (f64::from(size * size), "pixels")
@@ -99,6 +102,11 @@ fn linear_light(bench: &mut Bench, mesh: &TriangleMesh) {
     let [mut a, mut b, mut c] = [(); 3].map(|()| DepthBuffer::new(size, size));
     let mut rasterizers = [(); 2].map(|()| Rasterizer::new(Level::detect(), Threads::One));
     let [single, many] = &mut rasterizers;
+    many.draw_many(views, &mesh, Payload::ObjectId, &mut [a.target(), b.target(), c.target()]);
+    for (view, map) in views.iter().zip([&a, &b, &c]) {
+        draw_plain(view, &mesh, None, Payload::ObjectId, one.target());
+        assert!(*map == one, "a map of a linear light differs from the plain version");
+    }
     bench.compare(Group {
         name: "sphere 1M, maps of a linear light".to_owned(),
         x: None,
@@ -116,24 +124,8 @@ fn linear_light(bench: &mut Bench, mesh: &TriangleMesh) {
     });
 }
 
-/// Time against triangles, and against texels.
-fn growth(bench: &mut Bench, torus: &TriangleMesh) {
-    let rings: &[u32] =
-        if bench.quick() { &[32, 256] } else { &[32, 64, 128, 256, 512, 1024, 2048] };
-    for &ring in rings {
-        let sphere = sphere(ring, ring / 2);
-        let triangles = f64::from(ring) * f64::from(ring);
-        let name = format!("growth with triangles: {triangles}");
-        draw(bench, name, ("triangles", triangles), &sphere, 60.0, 1024);
-    }
-    for size in [256, 512, 1024, 2048, 4096] {
-        let texels = f64::from(size) * f64::from(size);
-        draw(bench, format!("growth with texels: {texels}"), ("texels", texels), torus, 90.0, size);
-    }
-}
-
 /// One point of a growth curve.
-fn draw(
+fn growth(
     bench: &mut Bench,
     name: String,
     x: (&'static str, f64),
@@ -142,8 +134,12 @@ fn draw(
     size: u32,
 ) {
     let (view, mesh) = (view(degrees, size), mesh.as_mesh());
+    let mut expected = DepthBuffer::new(size, size);
+    draw_plain(&view, &mesh, None, Payload::ObjectId, expected.target());
     let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
     let mut map = DepthBuffer::new(size, size);
+    rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target());
+    assert!(map == expected, "{name}: differs from the plain version");
     bench.compare(Group {
         name,
         x: Some(x),
@@ -153,6 +149,15 @@ fn draw(
             rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target());
         })],
     });
+}
+
+fn torus() -> TriangleMesh {
+    renderer::builtin::scene("torus").expect("torus is built in").mesh
+}
+
+/// A million triangles.
+fn million() -> TriangleMesh {
+    sphere(1000, 500)
 }
 
 /// A uv sphere of radius 2: `around` times `down` quads, poles on y.

@@ -14,7 +14,7 @@ use shadowmap_core::{
 };
 use simd_search::{Hit, NodeGroup, Pyramid, Query, Side, Visits, naive, nearest};
 
-use super::{Bench, Group, Variant};
+use super::{Bench, Case, Group, Variant};
 
 /// Pixels of the camera along either axis: its pixels are the receivers.
 const CAMERA: u32 = 512;
@@ -22,47 +22,56 @@ const CAMERA: u32 = 512;
 const BLOCK: u32 = 8;
 /// The radius of the light whose window the paper's search would look through, in metres.
 const LIGHT_RADIUS: f32 = 0.4;
+/// The side of the map that all receivers search.
+const GROWTH: u32 = 1024;
 
-/// Runs the part.
-pub fn run(bench: &mut Bench) {
-    let levels: Vec<&str> = Level::available().map(|level| level.kind().name()).collect();
-    bench.note(format!("each level was checked against the naive search: {}", levels.join(", ")));
-    let (sizes, radii): (&[u32], &[u32]) = if bench.quick() {
+/// The cases of this part.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let (sizes, radii): (&[u32], &[u32]) = if quick {
         (&[1024], &[8, 32, 128])
     } else {
         (&[256, 1024, 4096], &[4, 8, 16, 32, 64, 128])
     };
+    let mut cases = Vec::new();
     for name in ["torus", "crowded"] {
-        let scene = builtin::scene(name).expect("a built-in scene");
         for &size in sizes {
-            let lit = Lit::new(&scene, size);
-            let map = lit.map.as_depth_map();
-            let mut storage = vec![NodeGroup::default(); Pyramid::storage_len(size, size)];
-            build(bench, &format!("{name} {size}"), &scene, &lit.view, map);
-            let pyramid = Pyramid::build(Level::detect(), map, &mut storage, &mut []);
-            let pyramid = pyramid.expect("the storage is as long as asked");
-            let search = Searched { map, pyramid: &pyramid };
-            let mut visits = Vec::new();
-            for &radius in radii {
-                let texels = (2 * radius + 1) * (2 * radius + 1);
-                let budget = if bench.quick() { 5_000_000 } else { 20_000_000 };
-                let blocks = lit.blocks((budget / texels) as usize, |_| radius as f32);
-                search.every_way(bench, format!("{name} {size}, radius {radius}"), radius, &blocks);
-                visits.push(search.visits(radius, &blocks));
-            }
-            bench.note(format!(
-                "{name} {size}, per query (texels of the box, compared texels, with the pyramid \
-                 texels and nodes): {}",
-                visits.join("; ")
-            ));
-            if size == 1024 {
-                let all = if bench.quick() { 20_000 } else { usize::MAX };
-                for &radius in radii {
-                    search.growth(bench, name, radius, &lit.blocks(all, |_| radius as f32));
-                }
-                search.window_of_the_light(bench, name, &lit, all);
-            }
+            let all_receivers = if size == GROWTH { radii.len() + 1 } else { 0 };
+            let comparisons = 1 + radii.len() + all_receivers;
+            cases.push(Case::new(comparisons, move |bench| one_map(bench, name, size, radii)));
         }
+    }
+    cases
+}
+
+/// Every comparison on the map of a scene.
+fn one_map(bench: &mut Bench, name: &str, size: u32, radii: &[u32]) {
+    let scene = builtin::scene(name).expect("a built-in scene");
+    let lit = Lit::new(&scene, size);
+    let map = lit.map.as_depth_map();
+    let mut storage = vec![NodeGroup::default(); Pyramid::storage_len(size, size)];
+    build(bench, &format!("{name} {size}"), &scene, &lit.view, map);
+    let pyramid = Pyramid::build(Level::detect(), map, &mut storage, &mut []);
+    let pyramid = pyramid.expect("the storage is as long as asked");
+    let search = Searched { map, pyramid: &pyramid };
+    let mut visits = Vec::new();
+    for &radius in radii {
+        let texels = (2 * radius + 1) * (2 * radius + 1);
+        let budget = if bench.quick() { 5_000_000 } else { 20_000_000 };
+        let blocks = lit.blocks((budget / texels) as usize, |_| radius as f32);
+        search.every_way(bench, format!("{name} {size}, radius {radius}"), radius, &blocks);
+        visits.push(search.visits(radius, &blocks));
+    }
+    bench.note(format!(
+        "{name} {size}, per query (texels of the box, compared texels, with the pyramid texels and \
+         nodes): {}",
+        visits.join("; ")
+    ));
+    if size == GROWTH {
+        let all = if bench.quick() { 20_000 } else { usize::MAX };
+        for &radius in radii {
+            search.growth(bench, name, radius, &lit.blocks(all, |_| radius as f32));
+        }
+        search.window_of_the_light(bench, name, &lit, all);
     }
 }
 

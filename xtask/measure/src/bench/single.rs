@@ -11,38 +11,40 @@ use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
 use simd_search::{NodeGroup, Pyramid};
 use single_sample::{Counters, LightMap, Texels, search};
 
-use super::{Bench, Group, Variant};
+use super::{Bench, Case, Group, Variant, count, on};
 
-/// Runs the part.
-pub fn run(bench: &mut Bench) {
-    let quick = bench.quick();
+/// The cases of this part.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let radii: &[f32] = if quick { &[0.1, 1.0] } else { &[0.0, 0.1, 0.25, 0.5, 1.0] };
+    let maps: &[u32] = if quick { &[256, 2048] } else { &[256, 512, 1024, 2048, 4096] };
+    let images: &[u32] = if quick { &[512, 1024] } else { &[256, 512, 1024, 2048] };
+    let mut cases = Vec::new();
     for name in ["torus", "crowded"] {
-        let scene = builtin::scene(name).expect("a built-in scene");
-        let shot = |radius, image, map| Shot::new(&scene, radius, image, map);
-        let plain = shot(0.5, 512, 1024);
-        levels(bench, name, &plain);
-        adaptive(bench, name, &plain);
-        let radii: &[f32] = if quick { &[0.1, 1.0] } else { &[0.0, 0.1, 0.25, 0.5, 1.0] };
+        cases.push(Case::new(2, move |bench| {
+            let scene = builtin::scene(name).expect("a built-in scene");
+            let shot = Shot::new(&scene, 0.5, 512, 1024);
+            levels(bench, name, &shot);
+            adaptive(bench, name, &shot);
+        }));
+        let mut over = |x: (&'static str, f32), group: String, radius, image, map| {
+            cases.push(Case::new(1, move |bench| {
+                let scene = builtin::scene(name).expect("a built-in scene");
+                threads(bench, group, x, &Shot::new(&scene, radius, image, map));
+            }));
+        };
         for &radius in radii {
             let group = format!("{name}, radius {radius}");
-            threads(bench, group, ("radius in metres", radius), &shot(radius, 512, 1024));
+            over(("radius of the light, metres", radius), group, radius, 512, 1024);
         }
-        let maps: &[u32] = if quick { &[256, 2048] } else { &[256, 512, 1024, 2048, 4096] };
         for &map in maps {
-            let group = format!("{name}, map {map}");
-            threads(bench, group, ("side of the map in texels", map as f32), &shot(0.5, 512, map));
+            over(("map side, texels", map as f32), format!("{name}, map {map}"), 0.5, 512, map);
         }
-        let images: &[u32] = if quick { &[1024] } else { &[256, 512, 1024, 2048] };
         for &image in images {
             let group = format!("{name}, camera {image}");
-            threads(
-                bench,
-                group,
-                ("side of the image in pixels", image as f32),
-                &shot(0.5, image, 1024),
-            );
+            over(("camera side, pixels", image as f32), group, 0.5, image, 1024);
         }
     }
+    cases
 }
 
 /// A scene before its camera, and the map of its spherical light.
@@ -164,19 +166,18 @@ fn adaptive(bench: &mut Bench, name: &str, shot: &Shot<'_>) {
 /// One thread against two, which must agree to the bit.
 fn threads(bench: &mut Bench, name: String, (over, x): (&'static str, f32), shot: &Shot<'_>) {
     let (level, group) = (Level::detect(), shot.parameters.group);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     shot.with(|draw| {
         let (mut one, mut two) = (shot.mask(), shot.mask());
         draw(level, Threads::One, group, &mut one);
-        pool.install(|| draw(level, Threads::Pool, group, &mut two));
+        on(Threads::Pool, || draw(level, Threads::Pool, group, &mut two));
         assert!(one == two, "{name} differs between threads");
         let work = Some((one.len() as f64, "pixels"));
         let variants = vec![
-            Variant::new("1 thread", || {
+            Variant::on(Threads::One, count(Threads::One), || {
                 draw(level, Threads::One, group, &mut one);
             }),
-            Variant::new("2 threads", || {
-                pool.install(|| draw(level, Threads::Pool, group, &mut two));
+            Variant::on(Threads::Pool, count(Threads::Pool), || {
+                draw(level, Threads::Pool, group, &mut two);
             }),
         ];
         bench.compare(Group { name, x: Some((over, f64::from(x))), work, bytes: None, variants });
