@@ -126,6 +126,12 @@ impl VisibilityChannels {
         &self.seen[((y * self.segments + segment) * 2 + end) * self.width..][..self.width]
     }
 
+    /// All that follows the first row of [`VisibilityChannels::row`], and how far apart rows are.
+    #[inline]
+    pub(crate) fn rows(&self, segment: usize, end: usize) -> (&[f32], usize) {
+        (&self.seen[(segment * 2 + end) * self.width..], 2 * self.segments * self.width)
+    }
+
     pub(crate) fn row_mut(&mut self, segment: usize, end: usize, y: usize) -> &mut [f32] {
         &mut self.seen[((y * self.segments + segment) * 2 + end) * self.width..][..self.width]
     }

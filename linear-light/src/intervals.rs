@@ -50,8 +50,6 @@ mod bounds;
 mod contact;
 mod frame;
 mod group;
-mod kernels;
-mod lanes;
 #[cfg(test)]
 mod naive;
 mod receivers;
@@ -71,11 +69,15 @@ pub use adaptive::{AdaptiveOptions, AdaptiveSamples, Disagreement, disagreement}
 pub use block::Counters as IntervalCounters;
 pub use frame::{FrustumMaps, SampleMap};
 
+pub(crate) use block::judge_band;
+pub(crate) use bounds::{Nodes, build};
+pub(crate) use frame::Frame;
+pub(crate) use group::Scratch;
+
 use crate::MAX_FRUSTA;
+use crate::kernels::{Job, run};
 use bounds::{BAND, Bounds};
-use frame::{Frame, Frustum, point};
-use group::Scratch;
-use kernels::{Job, run};
+use frame::{Frustum, point};
 
 /// The bias of interval visibility.
 ///

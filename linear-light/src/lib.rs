@@ -82,6 +82,8 @@ mod diffuse;
 mod discontinuity;
 mod drawn;
 mod intervals;
+mod kernels;
+mod lanes;
 mod lookup;
 #[cfg(test)]
 mod naive;

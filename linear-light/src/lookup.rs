@@ -9,7 +9,7 @@ use glam::Vec2;
 use shadowmap_core::{Bias, DepthMap, LightPoint};
 
 /// An edge that keeps to its row for this many texels either way lies along the light.
-const STRAIGHT: usize = 16;
+pub(crate) const STRAIGHT: usize = 16;
 
 /// A receiver and its plane in one sample's map.
 #[derive(Clone, Copy, Debug)]

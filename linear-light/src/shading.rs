@@ -1,14 +1,15 @@
 //! Shading with visibility channels (section 3).
 
 mod image;
+mod partly;
+mod planes;
 mod sixteen;
 
 use glam::{Vec2, Vec3};
 use shadowmap_core::{Bias, DepthMap, LightPoint, Plane, View};
 
+pub(crate) use image::Image;
 pub use image::visibility;
-
-use sixteen::{Sixteen, Tests};
 
 use crate::lookup::{Sample, between};
 use crate::{SampleViews, VisibilityChannels};
@@ -112,12 +113,7 @@ impl<'a> SkinShadow<'a> {
         let plane = Plane([normal.x, normal.y, normal.z, -normal.dot(position)]);
         let surface = self.surface(plane, 1.0);
         let Some(above) = surface.above else { return 0.0 };
-        let point = self.views()[0].texel_from_world(position).map(|p| LightPoint {
-            u: p.x,
-            v: p.y,
-            nearness: p.z,
-            slope: surface.slope,
-        });
+        let point = surface.point(self.views()[0].texel_from_world(position));
         let receiver = Receiver { point, position, plane: &surface.plane, above };
         self.seen_by(&receiver, self.test_all(&receiver), add)
     }
@@ -159,17 +155,6 @@ impl<'a> SkinShadow<'a> {
             found.any |= lit[0] | lit[1];
         }
         found
-    }
-
-    /// [`SkinShadow::test_all`] of sixteen receivers; `None` where that is not done at once.
-    #[inline(always)]
-    fn test_sixteen(&self, sixteen: &Sixteen) -> Option<Tests> {
-        match self.samples {
-            Samples::Rectified(views) if !self.maps[0].nearness().is_empty() => {
-                Some(sixteen.test(views.disparity(), self.bias, self.maps))
-            }
-            _ => None,
-        }
     }
 
     /// How much of the light a receiver sees; `add` gets what falls to each sample.
@@ -302,8 +287,10 @@ struct Surface {
 }
 
 impl Surface {
-    /// One that no light falls on.
-    const HIDDEN: Surface = Surface { plane: Plane([0.0; 4]), slope: Vec2::ZERO, above: None };
+    /// The receiver on it at (u, v, nearness) in the first sample's map.
+    fn point(&self, seen: Option<Vec3>) -> Option<LightPoint> {
+        seen.map(|seen| LightPoint { u: seen.x, v: seen.y, nearness: seen.z, slope: self.slope })
+    }
 }
 
 /// A receiver, before any sample.

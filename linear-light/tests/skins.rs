@@ -210,7 +210,7 @@ fn an_image_is_shaded_as_its_receivers_are() {
                 let alone = if n > 0.0 { shadow.visibility(position, Vec3::Y) } else { 0.0 };
                 // Planes beside nothing cannot be told from depth.
                 let known = matches!(surfaces, Surfaces::Table(_));
-                assert!(!known || (v - alone).abs() < 0.01, "pixel {i}: {v} instead of {alone}");
+                assert!(!known || (v - alone).abs() < 0.001, "pixel {i}: {v} instead of {alone}");
                 partly += usize::from(v > 0.1 && v < 0.9);
             }
             assert!(partly > 500, "{partly} pixels in penumbra");

@@ -5,9 +5,9 @@ use shadowmap_core::{Camera, Plane, Surfaces};
 use super::bounds::BAND;
 use super::frame::{Facing, Frame, Frustum, UNKNOWN};
 use super::group::{Group, Part, Scratch};
-use super::lanes::{INDEX, Ids, LANES, Lanes, Ops, lanes};
 use super::receivers::{Pixels, Receivers, from_row, in_row, warp_row};
 use crate::MAX_FRUSTA;
+use crate::lanes::{INDEX, Ids, LANES, Lanes, Ops, lanes, put, take};
 
 /// What was done for the receivers of a camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +35,7 @@ struct Block {
 
 /// Judges all receivers of a band of the camera's image, from row `first_row` on.
 #[inline(always)]
-pub(super) fn judge_band(
+pub(crate) fn judge_band(
     ops: impl Ops,
     frame: &Frame<'_>,
     first_row: usize,
@@ -60,26 +60,6 @@ pub(super) fn judge_band(
         let seen = *out - *hidden;
         let seen = if seen < 1.0 { seen } else { 1.0 };
         *out = if seen > 0.0 { seen } else { 0.0 };
-    }
-}
-
-/// The first elements of a row, as many as there are.
-#[inline(always)]
-fn take<T: Copy + Default>(row: &[T]) -> [T; LANES] {
-    if let Some(all) = row.first_chunk() {
-        return *all;
-    }
-    let mut out = [T::default(); LANES];
-    out[..row.len()].copy_from_slice(row);
-    out
-}
-
-/// Writes the first elements of a row, as many as there are.
-#[inline(always)]
-fn put(row: &mut [f32], values: &Lanes) {
-    match row.first_chunk_mut() {
-        Some(all) => *all = *values,
-        None => row.copy_from_slice(&values[..row.len()]),
     }
 }
 

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use shadowmap_core::BandSlice;
 
-use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, texels};
+use crate::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, texels};
 
 /// Rows of texels in a band, and in a node.
 pub(super) const BAND: usize = 8;
@@ -20,7 +20,7 @@ const HALF_ROWS: f32 = (BAND as f32 - 1.0) * 0.5;
 /// `center + slope_u * x + slope_v * y + low` and the same with `high`. Texels that hold nothing do
 /// not count; a node of nothing has `high` = -inf and `low` = +inf.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nodes {
+pub(crate) struct Nodes {
     center: Lanes,
     slope_u: Lanes,
     slope_v: Lanes,
@@ -126,7 +126,7 @@ impl Bounds {
 /// Bounds the texels of one band of a map: `rows` holds its rows, of `width` texels each. Returns
 /// an upper bound of all.
 #[inline(always)]
-pub(super) fn build(ops: impl Ops, band: &mut [Nodes], rows: &[f32], width: usize) -> f32 {
+pub(crate) fn build(ops: impl Ops, band: &mut [Nodes], rows: &[f32], width: usize) -> f32 {
     let mut most = [0.0; LANES];
     for (group, nodes) in band.iter_mut().enumerate() {
         *nodes = NOTHING;

@@ -98,9 +98,9 @@ impl<'a> Frustum<'a> {
 
 /// Everything that the kernels read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<'a> {
+pub(crate) struct Frame<'a> {
     pub camera: Camera<'a>,
-    pub frusta: [Option<Frustum<'a>>; MAX_FRUSTA],
+    pub(super) frusta: [Option<Frustum<'a>>; MAX_FRUSTA],
     /// The ends of the light, homogeneous.
     pub ends: [[f32; 4]; 2],
     pub bias: Bias,

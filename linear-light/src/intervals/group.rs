@@ -6,13 +6,13 @@ use core::ops::Range;
 use super::bounds::BAND;
 use super::contact::Contact;
 use super::frame::{Facing, Frame, Frustum};
-use super::lanes::{Ops, max, min};
 use super::receivers::{Extent, Pixels, Receivers};
 use super::rows::RowReceivers;
 use super::run::Run;
 use super::scan::{RowSearch, any_in_front, scan};
 use super::search::{MapSearch, Tilt};
 use super::union::Interval;
+use crate::lanes::{Ops, max, min};
 
 /// The most blocks of a group, side by side.
 pub(super) const WIDEST: usize = 4;
@@ -25,13 +25,13 @@ pub(super) type Blocks = [Receivers; WIDEST + 1];
 
 /// Scratch memory of one band. It grows to what a band needs and is then kept.
 #[derive(Clone, Debug)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     /// Those of block i of the band are element i of them, round and round.
-    pub receivers: Blocks,
+    pub(super) receivers: Blocks,
     /// What is hidden from each pixel of the band.
     pub hidden: Vec<f32>,
     /// Groups to be judged.
-    pub ready: Vec<Group>,
+    pub(super) ready: Vec<Group>,
     /// A group that the next block may have more receivers of.
     waiting: Option<Group>,
     row: RowReceivers,
@@ -69,7 +69,7 @@ impl Scratch {
     /// Takes a group that is to be judged, together with that of the block before if their planes
     /// are the same.
     #[inline(always)]
-    pub fn add(&mut self, group: Group) {
+    pub(super) fn add(&mut self, group: Group) {
         match &mut self.waiting {
             Some(waiting) if waiting.may_join(&group) => waiting.join(&group),
             waiting if group.parts[0].pixels.count_ones() >= WORTH_WAITING => {

@@ -2,7 +2,7 @@
 
 use super::bounds::BAND;
 use super::frame::{Beyond, Frustum};
-use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, min};
+use crate::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, min};
 
 /// One bit per pixel of a block, row after row.
 pub(super) type Pixels = u128;

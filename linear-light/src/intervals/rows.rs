@@ -7,11 +7,11 @@ use super::bounds::BAND;
 use super::contact::Contact;
 use super::frame::{Facing, Frustum};
 use super::group::{Blocks, Part, WIDEST};
-use super::lanes::{LANES, Lanes, Ops, lanes, max, min, within};
 use super::receivers::{Pixels, in_row};
 use super::run::{Probe, Run, Vertex};
 use super::search::{MapSearch, Tilt};
 use super::union::{Interval, union_length};
+use crate::lanes::{LANES, Lanes, Ops, lanes, max, min, within};
 
 /// The receivers of a block of the camera's image.
 const BLOCK: usize = LANES * BAND;

@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::contact::{Contact, Ground};
-use super::lanes::{INDEX, LANES, Lanes, Ops, lanes, least_lane, max, texels, within};
 use super::scan::{RowSearch, row_of};
+use crate::lanes::{INDEX, LANES, Lanes, Ops, lanes, least_lane, max, texels, within};
 
 /// Texels of disparity that stand for none: so few that a vertex hides no parameter of the light,
 /// but products with them are far from subnormal numbers, which are slow.

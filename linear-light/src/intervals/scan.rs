@@ -8,9 +8,9 @@ use shadowmap_core::DepthMap;
 use super::bounds::BandSearch;
 use super::contact::{Contact, Ground};
 use super::frame::Frustum;
-use super::lanes::{INDEX, LANES, Ops, lanes, left_neighbours, max, min, texels};
 use super::run::{PAIRS, Probe, Run};
 use super::search::MapSearch;
+use crate::lanes::{INDEX, LANES, Ops, lanes, left_neighbours, max, min, texels};
 
 /// How far, in texels, a surface reaches beyond the centre of its last texel before a depth
 /// discontinuity. Anything from 0 to 1 is possible and 1/2 is right on average for an edge that one

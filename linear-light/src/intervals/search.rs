@@ -4,9 +4,9 @@ use shadowmap_core::Bias;
 
 use super::bounds::BandSearch;
 use super::frame::{Facing, Frustum};
-use super::lanes::{max, min};
 use super::receivers::Extent;
 use super::scan::REACH;
+use crate::lanes::{max, min};
 
 /// A plane as the maps see it.
 #[derive(Clone, Copy, Debug)]

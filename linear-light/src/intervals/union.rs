@@ -1,6 +1,6 @@
 //! How much of the light a few intervals hide, for sixteen receivers at a time.
 
-use super::lanes::{LANES, Lanes, Ops, max};
+use crate::lanes::{LANES, Lanes, Ops, max};
 
 /// A blocked interval of the light per receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,13 @@
 //! Shading of all that a camera sees.
 
-use glam::Vec3;
-use shadowmap_core::{BandSlice, Camera, Level, Surfaces, Threads, Warp, for_each_band};
+use shadowmap_core::{BandSlice, Camera, Surfaces, Threads, Warp, for_each_band};
 
-use super::sixteen::{LANES, Sixteen};
-use super::{Receiver, Samples, SkinShadow, Surface};
+use super::planes::{Planes, SurfaceLanes};
+use super::sixteen::Sixteen;
+use super::{Receiver, Samples, SkinShadow};
 use crate::counters::Tally;
+use crate::kernels::{Job, run};
+use crate::lanes::{Ids, LANES, Lanes, Ops, put, take};
 use crate::views::choose;
 use crate::{Counters, MAX_FRUSTA};
 
@@ -33,207 +35,187 @@ pub fn visibility(
     for (warp, shadow) in warps.iter_mut().zip(frusta) {
         *warp = Warp::new(camera.view(), &shadow.views()[0]);
     }
+    let (image, level) = (Image { camera, frusta, warps }, frusta[0].channels.level);
     let tally = Tally::default();
     for_each_band(threads, BandSlice { data: out, len: width.max(1) }, &|y, row| {
-        let mut line = Line {
-            camera,
-            frusta,
-            y,
-            // Entries of a table are flat: neighbouring pixels with the same one share a plane.
-            flat: matches!(camera.surfaces(), Surfaces::Table(_)),
-            run: None,
-            counters: Counters::default(),
-        };
-        line.shade_row(frusta[0].channels.level, &warps, row.data);
-        tally.add(&line.counters);
+        let mut counters = Counters::default();
+        run(level, Job::Shade { image: &image, y, out: row.data, counters: &mut counters });
+        tally.add(&counters);
     });
     tally.total()
 }
 
-/// One row of the camera's pixels.
-struct Line<'a> {
+/// What a camera sees under one light.
+pub(crate) struct Image<'a> {
     camera: &'a Camera<'a>,
     frusta: &'a [SkinShadow<'a>],
-    y: usize,
-    flat: bool,
-    /// The pixel before.
-    run: Option<Run>,
-    counters: Counters,
-}
-
-/// Neighbouring pixels of one surface in one frustum.
-#[derive(Clone, Copy)]
-struct Run {
-    id: Option<u32>,
-    frustum: usize,
-    surface: Surface,
+    /// From the camera to the first sample of each frustum.
+    warps: [Warp; MAX_FRUSTA],
 }
 
 /// Sixteen pixels side by side.
 struct Pixels {
-    nearness: [f32; LANES],
-    surface: [Surface; LANES],
-    /// The frustum that each belongs to: none of them if nothing is to be asked there.
-    frustum: [usize; LANES],
-    /// Whether all lie on one surface in the only frustum.
-    share_surface: bool,
+    x: usize,
+    y: usize,
+    nearness: Lanes,
+    ids: Ids,
+    /// Those where the camera sees something.
+    receivers: u32,
 }
 
-impl Line<'_> {
-    /// Shades the row with the instructions of `level`.
-    fn shade_row(&mut self, level: Level, warps: &[Warp; MAX_FRUSTA], out: &mut [f32]) {
-        match level.kind() {
-            #[cfg(target_feature = "sse2")]
-            // SAFETY: a `Level` of that kind is the proof that the machine has its instructions.
-            #[allow(unsafe_code)]
-            shadowmap_core::LevelKind::Avx512 => unsafe { self.shade_avx512(warps, out) },
-            #[cfg(target_feature = "sse2")]
-            // SAFETY: as above.
-            #[allow(unsafe_code)]
-            shadowmap_core::LevelKind::Avx2 => unsafe { self.shade_avx2(warps, out) },
-            #[cfg(target_feature = "sse2")]
-            // SAFETY: as above.
-            #[allow(unsafe_code)]
-            shadowmap_core::LevelKind::Sse41 => unsafe { self.shade_sse41(warps, out) },
-            // NEON and simd128 are on for the whole crate wherever they are at all.
-            _ => self.shade_all(warps, out),
-        }
-    }
+/// What neighbouring blocks share that lie on one triangle.
+struct Triangle {
+    id: u32,
+    surfaces: SurfaceLanes,
+}
 
-    #[cfg(target_feature = "sse2")]
-    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-    fn shade_avx512(&mut self, warps: &[Warp; MAX_FRUSTA], out: &mut [f32]) {
-        self.shade_all(warps, out);
-    }
-
-    #[cfg(target_feature = "sse2")]
-    #[target_feature(enable = "avx2")]
-    fn shade_avx2(&mut self, warps: &[Warp; MAX_FRUSTA], out: &mut [f32]) {
-        self.shade_all(warps, out);
-    }
-
-    #[cfg(target_feature = "sse2")]
-    #[target_feature(enable = "sse4.1")]
-    fn shade_sse41(&mut self, warps: &[Warp; MAX_FRUSTA], out: &mut [f32]) {
-        self.shade_all(warps, out);
-    }
-
+impl Image<'_> {
+    /// Shades row `y`.
     #[inline(always)]
-    fn shade_all(&mut self, warps: &[Warp; MAX_FRUSTA], out: &mut [f32]) {
+    pub(crate) fn shade_row(
+        &self,
+        ops: impl Ops,
+        y: usize,
+        out: &mut [f32],
+        counters: &mut Counters,
+    ) {
+        let map = self.camera.map();
+        let start = y * map.width() as usize;
+        let ids = map.ids().get(start..).unwrap_or_default();
+        let mut triangle = None;
         for (block, out) in out.chunks_mut(LANES).enumerate() {
-            self.shade(warps, block * LANES, out);
-        }
-    }
-
-    /// Shades at most sixteen pixels from column `x` on.
-    #[inline(always)]
-    fn shade(&mut self, warps: &[Warp; MAX_FRUSTA], x: usize, out: &mut [f32]) {
-        out.fill(0.0);
-        let pixels = self.pixels(x, out.len());
-        for (frustum, shadow) in self.frusta.iter().enumerate() {
-            if !pixels.frustum.contains(&frustum) {
-                continue;
-            }
-            let Pixels { nearness, surface, .. } = &pixels;
-            let sixteen = Sixteen::new(&warps[frustum], [x, self.y], nearness, surface);
-            let tests = shadow.test_sixteen(&sixteen);
-            if pixels.share_surface
-                && let Some(tests) = &tests
-                && let Some(seen) = tests.of_all(&surface[0])
-            {
-                self.counters.outside += tests.count_outside();
-                out.fill(seen);
-                return;
-            }
-            for (i, out) in out.iter_mut().enumerate() {
-                let above = surface[i].above.filter(|_| pixels.frustum[i] == frustum);
-                let Some(above) = above else { continue };
-                let receiver = Receiver {
-                    point: sixteen.point(i),
-                    position: self.position(x + i, nearness[i]),
-                    plane: &surface[i].plane,
-                    above,
-                };
-                let test = match &tests {
-                    Some(tests) => tests.of(i),
-                    None => shadow.test_all(&receiver),
-                };
-                *out = shadow.seen_by(&receiver, test, |_, _| {});
-                self.counters.outside += u32::from(test.outside);
-            }
-        }
-    }
-
-    /// At most sixteen pixels from column `x` on.
-    #[inline(always)]
-    fn pixels(&mut self, x: usize, count: usize) -> Pixels {
-        let map = self.camera.map();
-        let first = self.y * map.width() as usize + x;
-        let mut nearness = [0.0; LANES];
-        nearness[..count].copy_from_slice(&map.nearness()[first..first + count]);
-        let ids = map.ids().get(first..first + count).unwrap_or_default();
-        let share_surface = self.flat
-            && self.frusta.len() == 1
-            && ids.len() == LANES
-            && ids.iter().all(|id| *id == ids[0])
-            && nearness.iter().all(|n| *n > 0.0);
-        if share_surface {
-            self.counters.receivers += LANES as u32;
-            let surface = self.run_of(x, nearness[0]).surface;
-            return Pixels {
-                nearness,
-                surface: [surface; LANES],
-                frustum: [if surface.above.is_some() { 0 } else { MAX_FRUSTA }; LANES],
-                share_surface,
-            };
-        }
-        let mut pixels = Pixels {
-            nearness,
-            surface: [Surface::HIDDEN; LANES],
-            frustum: [MAX_FRUSTA; LANES],
-            share_surface,
-        };
-        for (i, &n) in nearness.iter().enumerate() {
+            let x = block * LANES;
+            let nearness = take(&map.nearness()[start + x..][..out.len()]);
+            let ids = ids.get(x..x + out.len()).map_or([0; LANES], take);
             // Not where the camera sees nothing, nor at a NaN.
-            if n > 0.0 {
-                self.counters.receivers += 1;
-                let run = self.run_of(x + i, n);
-                (pixels.surface[i], pixels.frustum[i]) = (run.surface, run.frustum);
+            let receivers = ops.greater(&nearness, &[0.0; LANES]);
+            let pixels = Pixels { x, y, nearness, ids, receivers };
+            counters.receivers += receivers.count_ones();
+            let seen = if receivers == 0 {
+                [0.0; LANES]
+            } else {
+                self.shade(ops, &pixels, &mut triangle, counters)
+            };
+            put(out, &seen);
+        }
+    }
+
+    /// The visibility of sixteen pixels. `triangle` is what the last ones lay on, if on one.
+    #[inline(always)]
+    fn shade(
+        &self,
+        ops: impl Ops,
+        pixels: &Pixels,
+        triangle: &mut Option<Triangle>,
+        counters: &mut Counters,
+    ) -> Lanes {
+        let Pixels { x, y, nearness, ids, receivers } = pixels;
+        let (camera, eye) = (self.camera, self.camera.view().eye());
+        // Entries of a table are flat: pixels with the same one share a plane.
+        let is_flat = matches!(camera.surfaces(), Surfaces::Table(_)) && self.frusta.len() == 1;
+        if is_flat && *receivers == 0xffff && ops.equal(ids, ids[0]) == 0xffff {
+            let is_last = triangle.as_ref().is_some_and(|triangle| triangle.id == ids[0]);
+            if !is_last {
+                let plane = camera.plane(*x as u32, *y as u32, nearness[0]).1;
+                let surface = self.frusta[0].surface(plane, plane.side_of(eye));
+                *triangle = Some(Triangle { id: ids[0], surfaces: SurfaceLanes::splat(&surface) });
+            }
+            if let Some(triangle) = triangle {
+                return self.seen(ops, pixels, 0, *receivers, &triangle.surfaces, counters);
             }
         }
-        pixels
-    }
-
-    /// Where a pixel's receiver is; the origin if nothing needs to know.
-    #[inline(always)]
-    fn position(&self, x: usize, nearness: f32) -> Vec3 {
-        let needed =
-            self.frusta.len() > 1 || matches!(self.frusta[0].samples, Samples::Unrelated(_));
-        let (u, v) = (x as f32 + 0.5, self.y as f32 + 0.5);
-        if needed { self.camera.view().world_from_texel(u, v, nearness) } else { Vec3::ZERO }
-    }
-
-    /// Surface and frustum of a pixel.
-    #[inline(always)]
-    fn run_of(&mut self, x: usize, nearness: f32) -> Run {
-        let frustum = match self.frusta {
-            [_] => 0,
-            frusta => {
-                let position = self.position(x, nearness);
-                choose(frusta.iter().map(|shadow| shadow.rank(position)))
+        let planes = Planes::new(camera, [*x, *y], nearness, ids, *receivers);
+        let mut visibility = [0.0; LANES];
+        let shares = self.shares(pixels, &planes);
+        for (frustum, (shadow, share)) in self.frusta.iter().zip(shares).enumerate() {
+            if share != 0 {
+                let surfaces = SurfaceLanes::new(ops, &planes, eye, shadow);
+                let seen = self.seen(ops, pixels, frustum, share, &surfaces, counters);
+                visibility = ops.select(share, &seen, &visibility);
             }
+        }
+        visibility
+    }
+
+    /// The receivers that belong to each frustum.
+    #[inline(always)]
+    fn shares(&self, pixels: &Pixels, planes: &Planes) -> [u32; MAX_FRUSTA] {
+        let mut shares = [0; MAX_FRUSTA];
+        if self.frusta.len() == 1 {
+            shares[0] = pixels.receivers;
+            return shares;
+        }
+        for i in (0..LANES).filter(|i| pixels.receivers >> i & 1 != 0) {
+            let position = planes.position(i);
+            shares[choose(self.frusta.iter().map(|shadow| shadow.rank(position)))] |= 1 << i;
+        }
+        shares
+    }
+
+    /// What the receivers `of` see of the light in the maps of a frustum. Other lanes hold anything.
+    #[inline(always)]
+    fn seen(
+        &self,
+        ops: impl Ops,
+        pixels: &Pixels,
+        frustum: usize,
+        of: u32,
+        surfaces: &SurfaceLanes,
+        counters: &mut Counters,
+    ) -> Lanes {
+        let (shadow, zero) = (&self.frusta[frustum], [0.0; LANES]);
+        let facing = of & !surfaces.hidden;
+        if facing == 0 {
+            return zero;
+        }
+        let map = &shadow.maps[0];
+        let views = match shadow.samples {
+            Samples::Rectified(views) if !map.nearness().is_empty() => views,
+            _ => return self.one_by_one(pixels, frustum, facing, counters),
         };
-        let map = self.camera.map();
-        let id = map.ids().get(self.y * map.width() as usize + x).copied().filter(|_| self.flat);
-        if let Some(run) = self.run
-            && id.is_some()
-            && (run.id, run.frustum) == (id, frustum)
-        {
-            return run;
+        let (at, size) = ([pixels.x, pixels.y], [map.width(), map.height()]);
+        let (warp, nearness) = (&self.warps[frustum], &pixels.nearness);
+        let sixteen = Sixteen::new(ops, warp, at, nearness, surfaces, size, shadow.bias);
+        let tests = sixteen.test(ops, views.disparity(), shadow.maps);
+        counters.outside += (tests.outside & facing).count_ones();
+        // Most receivers are seen by all samples, or by none.
+        let whole = tests.all & surfaces.open;
+        let mut seen = ops.select(whole, &[1.0; LANES], &zero);
+        let partly = tests.any & facing & !whole;
+        if partly != 0 {
+            let some = shadow.sum_sixteen(ops, views.disparity(), &sixteen, surfaces, partly);
+            seen = ops.select(partly, &some, &seen);
         }
-        let plane = self.camera.plane(x as u32, self.y as u32, nearness).1;
-        let side = plane.side_of(self.camera.view().eye());
-        let surface = self.frusta[frustum].surface(plane, side);
-        *self.run.insert(Run { id, frustum, surface })
+        ops.select(facing, &seen, &zero)
+    }
+
+    /// [`Image::seen`] for maps that have nothing in common.
+    fn one_by_one(
+        &self,
+        pixels: &Pixels,
+        frustum: usize,
+        of: u32,
+        counters: &mut Counters,
+    ) -> Lanes {
+        let shadow = &self.frusta[frustum];
+        let mut seen = [0.0; LANES];
+        for i in (0..LANES).filter(|i| of >> i & 1 != 0) {
+            let (x, y, nearness) = (pixels.x + i, pixels.y, pixels.nearness[i]);
+            let view = self.camera.view();
+            let plane = self.camera.plane(x as u32, y as u32, nearness).1;
+            let surface = shadow.surface(plane, plane.side_of(view.eye()));
+            let Some(above) = surface.above else { continue };
+            let (u, v) = (x as f32 + 0.5, y as f32 + 0.5);
+            let receiver = Receiver {
+                point: surface.point(self.warps[frustum].at(u, v, nearness)),
+                position: view.world_from_texel(u, v, nearness),
+                plane: &surface.plane,
+                above,
+            };
+            let test = shadow.test_all(&receiver);
+            seen[i] = shadow.seen_by(&receiver, test, |_, _| {});
+            counters.outside += u32::from(test.outside);
+        }
+        seen
     }
 }

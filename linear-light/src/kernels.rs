@@ -2,14 +2,13 @@
 
 use shadowmap_core::Level;
 
-use super::block::{self, Counters};
-use super::bounds::{self, Nodes};
-use super::frame::Frame;
-use super::group::Scratch;
-use super::lanes::{self, BIT, Ids, LANES, Lanes, Ops, lanes, reduce};
+use crate::Counters;
+use crate::intervals::{Frame, IntervalCounters, Nodes, Scratch, build, judge_band};
+use crate::lanes::{self, BIT, Ids, LANES, Lanes, Ops, lanes, reduce};
+use crate::shading::Image;
 
 /// What is done with kernels: one band of rows at a time.
-pub(super) enum Job<'a> {
+pub(crate) enum Job<'a> {
     /// Bound the texels of a band of a map.
     Bound { nodes: &'a mut [Nodes], most: &'a mut f32, rows: &'a [f32], width: usize },
     /// Judge the receivers of a band of the camera's image, from row `first_row` on.
@@ -18,8 +17,10 @@ pub(super) enum Job<'a> {
         first_row: usize,
         out: &'a mut [f32],
         scratch: &'a mut Scratch,
-        counters: &'a mut Counters,
+        counters: &'a mut IntervalCounters,
     },
+    /// Shade row `y` of an image with skins.
+    Shade { image: &'a Image<'a>, y: usize, out: &'a mut [f32], counters: &'a mut Counters },
 }
 
 impl Job<'_> {
@@ -27,11 +28,12 @@ impl Job<'_> {
     fn run(self, ops: impl Ops) {
         match self {
             Job::Bound { nodes, most, rows, width } => {
-                *most = bounds::build(ops, nodes, rows, width)
+                *most = build(ops, nodes, rows, width);
             }
             Job::Judge { frame, first_row, out, scratch, counters } => {
-                block::judge_band(ops, frame, first_row, out, scratch, counters);
+                judge_band(ops, frame, first_row, out, scratch, counters);
             }
+            Job::Shade { image, y, out, counters } => image.shade_row(ops, y, out, counters),
         }
     }
 }
@@ -91,7 +93,7 @@ where
 /// Does a job with the instructions of `level`, and plainly where the level is of another
 /// architecture than this program.
 #[allow(unsafe_code)]
-pub(super) fn run(level: Level, job: Job<'_>) {
+pub(crate) fn run(level: Level, job: Job<'_>) {
     match level.kind() {
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_feature = "sse2")]
@@ -145,8 +147,8 @@ mod x86 {
 
     use bytemuck::cast;
 
-    use super::super::lanes::{BIT, Ids, Lanes};
     use super::{Closures, Job};
+    use crate::lanes::{BIT, Ids, Lanes};
 
     #[target_feature(enable = "sse4.1")]
     pub(super) fn sse41(job: Job<'_>) {
@@ -292,8 +294,8 @@ mod neon {
 
     use bytemuck::cast;
 
-    use super::super::lanes::{self, BIT, Ids, Lanes, reduce};
     use super::{Closures, Job};
+    use crate::lanes::{self, BIT, Ids, Lanes, reduce};
 
     #[target_feature(enable = "neon")]
     pub(super) fn neon(job: Job<'_>) {
@@ -341,8 +343,8 @@ mod wasm {
 
     use bytemuck::cast;
 
-    use super::super::lanes::{self, BIT, Ids, Lanes, reduce};
     use super::{Closures, Job};
+    use crate::lanes::{self, BIT, Ids, Lanes, reduce};
 
     #[target_feature(enable = "simd128")]
     pub(super) fn simd128(job: Job<'_>) {

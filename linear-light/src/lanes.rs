@@ -6,15 +6,15 @@
 //! a `Ops` for that.
 
 /// Numbers in one vector, and texels in one segment of a map's row.
-pub(super) const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
-pub(super) type Lanes = [f32; LANES];
+pub(crate) type Lanes = [f32; LANES];
 
 /// As many object IDs.
-pub(super) type Ids = [u32; LANES];
+pub(crate) type Ids = [u32; LANES];
 
 /// What every instruction set writes by hand: from lanes to bits and back.
-pub(super) trait Ops: Copy {
+pub(crate) trait Ops: Copy {
     /// Bit i says whether lane i of `a` is greater than that of `b`. False for NaN.
     fn greater(self, a: &Lanes, b: &Lanes) -> u32;
     /// Bit i says whether lane i of `a` is `b`.
@@ -32,16 +32,16 @@ pub(super) trait Ops: Copy {
 }
 
 /// The bit of each lane.
-pub(super) const BIT: [u32; LANES] =
+pub(crate) const BIT: [u32; LANES] =
     [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768];
 
 /// The lane numbers.
-pub(super) const INDEX: Lanes =
+pub(crate) const INDEX: Lanes =
     [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
 
 #[inline(always)]
-pub(super) fn lanes(f: impl Fn(usize) -> f32) -> Lanes {
-    let mut out = [0.0; LANES];
+pub(crate) fn lanes<T: Copy + Default>(f: impl Fn(usize) -> T) -> [T; LANES] {
+    let mut out = [T::default(); LANES];
     for (i, out) in out.iter_mut().enumerate() {
         *out = f(i);
     }
@@ -50,30 +50,30 @@ pub(super) fn lanes(f: impl Fn(usize) -> f32) -> Lanes {
 
 /// A bit for each of the first `count` lanes.
 #[inline(always)]
-pub(super) fn within(count: usize) -> u32 {
+pub(crate) fn within(count: usize) -> u32 {
     (1 << count.min(LANES)) - 1
 }
 
 /// Minimum and maximum as one vector instruction has them: the second operand if either is NaN.
 #[inline(always)]
-pub(super) fn min(a: f32, b: f32) -> f32 {
+pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 #[inline(always)]
-pub(super) fn max(a: f32, b: f32) -> f32 {
+pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 /// The least lane.
 #[inline(always)]
-pub(super) fn least(a: &Lanes) -> f32 {
+pub(crate) fn least(a: &Lanes) -> f32 {
     reduce(a, min)
 }
 
 /// All lanes as one: first those eight apart, then four, two and one.
 #[inline(always)]
-pub(super) fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
+pub(crate) fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
     let (mut b, mut c) = ([0.0; 8], [0.0; 4]);
     for i in 0..8 {
         b[i] = f(a[i], a[i + 8]);
@@ -86,15 +86,43 @@ pub(super) fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
 
 /// The least lane and its number, the lowest of those with equal keys. NaN is never the least.
 #[inline(always)]
-pub(super) fn least_lane(ops: impl Ops, keys: &Lanes) -> (f32, usize) {
+pub(crate) fn least_lane(ops: impl Ops, keys: &Lanes) -> (f32, usize) {
     let least = least(keys);
     let mask = !ops.greater(keys, &[least; LANES]) & 0xffff;
     (least, mask.trailing_zeros() as usize % LANES)
 }
 
+/// The first elements of a row, as many as there are, and zeros.
+#[inline(always)]
+pub(crate) fn take<T: Copy + Default>(row: &[T]) -> [T; LANES] {
+    if let Some(all) = row.first_chunk() {
+        return *all;
+    }
+    let mut out = [T::default(); LANES];
+    out[..row.len()].copy_from_slice(row);
+    out
+}
+
+/// Writes the first elements of a row, as many as there are.
+#[inline(always)]
+pub(crate) fn put(row: &mut [f32], values: &Lanes) {
+    match row.first_chunk_mut() {
+        Some(all) => *all = *values,
+        None => row.copy_from_slice(&values[..row.len()]),
+    }
+}
+
+/// The elements at sixteen indices. Those past the end, of which a caller has none, would get the
+/// last element: looking them up so takes no branch per lane.
+#[inline(always)]
+pub(crate) fn gather(from: &[f32], index: [usize; LANES]) -> Lanes {
+    let Some(last) = from.len().checked_sub(1) else { return [0.0; LANES] };
+    lanes(|i| from[index[i].min(last)])
+}
+
 /// Sixteen texels of a row from `start`; 0, nothing, beyond its ends.
 #[inline(always)]
-pub(super) fn texels(row: &[f32], start: usize) -> Lanes {
+pub(crate) fn texels(row: &[f32], start: usize) -> Lanes {
     if let Some(Some(all)) = row.get(start..).map(|row| row.first_chunk()) {
         return *all;
     }
@@ -107,7 +135,7 @@ pub(super) fn texels(row: &[f32], start: usize) -> Lanes {
 
 /// The left neighbours of sixteen texels from `start`.
 #[inline(always)]
-pub(super) fn left_neighbours(row: &[f32], start: usize) -> Lanes {
+pub(crate) fn left_neighbours(row: &[f32], start: usize) -> Lanes {
     if start > 0 {
         return texels(row, start - 1);
     }
