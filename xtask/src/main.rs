@@ -9,6 +9,8 @@ mod cross;
 mod elf;
 mod features;
 mod fuzz;
+#[path = "../../tests/verify/src/golden.rs"]
+mod golden;
 mod run;
 mod targets;
 mod verify;

@@ -1,30 +1,33 @@
-//! `cargo xtask verify`: the same hashes at every SIMD level, thread count and target, as one table.
+//! `cargo xtask verify`: the recorded hashes at every SIMD level, thread count and target, as one
+//! table.
 
-use std::collections::BTreeMap;
 use std::fs;
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use crate::elf::Sizes;
+use crate::golden::{BLESS, Column, column, drifted, lost};
 use crate::run::{Report, cargo_command, root, skips_are_errors};
 use crate::targets::{AARCH64, I686, THUMB, Target, Toolchain, WASMS};
 
 const HELP: &str = "\
 cargo xtask verify [--here | --only TARGET] [--bless]
 
-Draws the built-in scenes by every method and compares hashes of maps, visibility and pictures: at
-every SIMD level of this machine with one thread and with all, on AArch64 (NEON), 32-bit x86 and
-WebAssembly (without and with SIMD), and of a tiny render on an emulated microcontroller.
+Draws the built-in scenes by every method and compares hashes of maps, visibility and pictures with
+those recorded in tests/verify/golden.tsv: at every SIMD level of this machine with one thread and
+with all, on AArch64 (NEON), 32-bit x86 and WebAssembly (without and with SIMD), and of a tiny render
+on an emulated microcontroller.
 
   --here           this machine only
   --only TARGET    this machine and one of aarch64, i686, wasm32, thumbv7em
-  --bless          write this machine's hashes to tests/verify/golden.tsv";
+  --bless          record this machine's hashes, if all its columns agree";
 
 /// So much of an error is shown.
 const LINES: usize = 12;
 
-/// Item to hash, of one column of the table.
-type Column = BTreeMap<String, String>;
+/// A column of the table and its name.
+type Named = (String, Column);
 
 /// Runs the command.
 pub fn run(arguments: &[String]) -> ExitCode {
@@ -64,11 +67,15 @@ pub fn check(all_targets: bool, report: &mut Report) {
     report.outcome("verify", result.is_ok());
 }
 
-/// Compares all targets, or this machine and the one named `only`.
+/// Compares all targets, or this machine and the one named `only`, with what is recorded.
 fn verify(only: Option<&str>, bless: bool) -> Result<(), String> {
     println!("==> verify");
     let native = output(cargo_command("run --quiet --release -p verify"))?;
     let mut columns = columns_of("", &native);
+    if columns.is_empty() {
+        return Err("this machine printed no hashes".to_owned());
+    }
+    let recorded = if bless { record(&columns)? } else { recorded()? };
     let mut skipped = Vec::new();
     let mut broken = Vec::new();
     for (name, target, table) in [
@@ -98,25 +105,74 @@ fn verify(only: Option<&str>, bless: bool) -> Result<(), String> {
         }
         println!("    {:.1} s", start.elapsed().as_secs_f32());
     }
-    let differences = print(&columns);
-    if bless {
-        let lines = columns[0].1.iter().map(|(item, hash)| format!("{item}\t{hash}\n"));
-        let path = root().join("tests/verify/golden.tsv");
-        let written = fs::write(&path, lines.collect::<String>());
-        written.map_err(|error| format!("{}: {error}", path.display()))?;
-    }
+    print(&recorded, &columns);
     if !skipped.is_empty() {
         println!("verify: SKIPPED: {}", skipped.join(", "));
     }
-    if differences == 0 && broken.is_empty() && (skipped.is_empty() || !skips_are_errors()) {
-        println!("verify: every cell of {} columns is equal", columns.len());
+    changes(&recorded, &columns)?;
+    if !broken.is_empty() || (!skipped.is_empty() && skips_are_errors()) {
+        let [broken, skipped] = [broken, skipped].map(|names| names.join(", "));
+        return Err(format!("not to be run: {broken}; skipped: {skipped}"));
+    }
+    println!("verify: every cell of {} columns is as recorded", columns.len());
+    Ok(())
+}
+
+fn golden() -> PathBuf {
+    root().join("tests/verify/golden.tsv")
+}
+
+/// The recorded hashes.
+fn recorded() -> Result<Column, String> {
+    let path = golden();
+    let text =
+        fs::read_to_string(&path).map_err(|e| format!("{}: {e}\n{BLESS}", path.display()))?;
+    Ok(column(&text))
+}
+
+/// Records the hashes of this machine's columns, which must agree.
+fn record(columns: &[Named]) -> Result<Column, String> {
+    let (first, hashes) = &columns[0];
+    if let Some((odd, _)) = columns.iter().find(|(_, other)| other != hashes) {
+        return Err(format!("nothing is recorded: {odd} disagrees with {first}"));
+    }
+    let path = golden();
+    let lines = hashes.iter().map(|(item, hash)| format!("{item}\t{hash}\n"));
+    let written = fs::write(&path, lines.collect::<String>());
+    written.map_err(|error| format!("{}: {error}", path.display()))?;
+    Ok(hashes.clone())
+}
+
+/// Fails where a cell is not as recorded: says which, and what that means.
+fn changes(recorded: &Column, columns: &[Named]) -> Result<(), String> {
+    let (first, here) = &columns[0];
+    let agrees = |other: &Column| other.iter().all(|(item, hash)| here.get(item) == Some(hash));
+    let odd = columns.iter().find(|(_, other)| !agrees(other));
+    let mut changes = lost(recorded, here);
+    let end = match odd {
+        None => {
+            changes.extend(drifted(recorded, here));
+            format!("All columns agree on that. {BLESS}")
+        }
+        Some((odd, _)) => {
+            for (name, column) in columns {
+                let drifted = drifted(recorded, column).into_iter();
+                changes.extend(drifted.map(|change| format!("{name}: {change}")));
+            }
+            format!("{odd} disagrees with {first}: a level, a thread count or a target is at fault")
+        }
+    };
+    if changes.is_empty() {
         return Ok(());
     }
-    Err(format!(
-        "{differences} cells differ, not to be run: {}, skipped: {}",
-        broken.join(", "),
-        skipped.join(", ")
-    ))
+    let mut text = format!("{} hashes are not as recorded", changes.len());
+    for change in changes.iter().take(LINES) {
+        text += &format!("\n    {change}");
+    }
+    if changes.len() > LINES {
+        text += "\n    ...";
+    }
+    Err(format!("{text}\n{end}"))
 }
 
 /// How the table of a target is made.
@@ -173,8 +229,8 @@ fn microcontroller(toolchain: &Toolchain, target: &Target) -> Result<String, Str
 }
 
 /// Columns by name from lines `column<TAB>item<TAB>hash`.
-fn columns_of(target: &str, text: &str) -> Vec<(String, Column)> {
-    let mut columns: Vec<(String, Column)> = Vec::new();
+fn columns_of(target: &str, text: &str) -> Vec<Named> {
+    let mut columns: Vec<Named> = Vec::new();
     for line in text.lines() {
         let mut cells = line.split('\t');
         if let (Some(column), Some(item), Some(hash)) = (cells.next(), cells.next(), cells.next()) {
@@ -189,28 +245,20 @@ fn columns_of(target: &str, text: &str) -> Vec<(String, Column)> {
     columns
 }
 
-/// Prints the table, `=` for what equals the first column; returns how many cells do not.
-fn print(columns: &[(String, Column)]) -> usize {
+/// Prints the table: `=` where a column is as recorded, `X` where not, `.` where it lacks the item.
+fn print(recorded: &Column, columns: &[Named]) {
     for (index, (name, column)) in columns.iter().enumerate() {
         println!("column {:>2}: {name} ({} items)", index + 1, column.len());
     }
-    let numbers = (2..=columns.len()).map(|number| format!("{number:>3}")).collect::<String>();
-    println!("\n{:<44} {:<16}{numbers}", "", "1");
-    let mut differences = 0;
-    for (item, hash) in &columns[0].1 {
-        let mut row = String::new();
-        for (_, column) in &columns[1..] {
-            row += match column.get(item) {
-                Some(other) if other == hash => "  =",
-                Some(_) => {
-                    differences += 1;
-                    "  X"
-                }
-                None => "  .",
-            };
-        }
-        println!("{item:<44} {hash}{row}");
+    let numbers = (1..=columns.len()).map(|number| format!("{number:>3}")).collect::<String>();
+    println!("\n{:<44} {:<16}{numbers}", "", "recorded");
+    for (item, hash) in recorded {
+        let cell = |(_, column): &Named| match column.get(item) {
+            Some(other) if other == hash => "  =",
+            Some(_) => "  X",
+            None => "  .",
+        };
+        println!("{item:<44} {hash}{}", columns.iter().map(cell).collect::<String>());
     }
     println!();
-    differences
 }

@@ -15,6 +15,7 @@ use renderer::scene::{Scene, SceneLight};
 use shadowmap_core::{Level, Threads};
 use tiny_render::hash;
 
+pub mod golden;
 #[cfg(target_family = "wasm")]
 mod wasm;
 

@@ -162,7 +162,7 @@ fn intervals(bench: &mut Bench, shot: &Shot, rays: &Rays<'_>, size: u32, samples
         errors.join(", ")
     ));
     bench.compare(Group {
-        name: format!("{} intervals, {samples} maps of {size}", shot.name),
+        name: format!("{} intervals, {samples} maps, side {size}", shot.name),
         x: Some(("map side, texels", f64::from(size))),
         work: Some((pixels as f64, "pixels")),
         bytes: None,

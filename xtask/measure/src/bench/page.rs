@@ -9,6 +9,9 @@ use crate::plot::{Axes, Curve, Scale, Stroke, plot};
 /// Above this share of the machine's bandwidth, memory is what bounds a stage.
 const BOUND_BY_MEMORY: f64 = 0.5;
 
+/// The work of a search.
+const QUERIES: &str = "queries";
+
 /// The page.
 pub fn html(results: &Results, parts: &[&'static str]) -> String {
     let machine = &results.machine;
@@ -61,7 +64,7 @@ fn section(results: &Results, part: &str) -> Markup {
         .collect();
     let notes = results.notes.iter().filter_map(|note| note.strip_prefix(&format!("{part}: ")));
     html! {
-        div.plots { @for plot in plots(&records) { (plot) } }
+        div.plots { @for plot in plots(results, &records) { (plot) } }
         @for note in notes { p { (note) } }
         details { summary { "All " (rows.len()) " figures" } (table(&head, &rows)) }
     }
@@ -96,7 +99,7 @@ fn series(record: &Record) -> &str {
 }
 
 /// One plot per name and abscissa that has at least two points.
-fn plots(records: &[&Record]) -> Vec<Markup> {
+fn plots(results: &Results, records: &[&Record]) -> Vec<Markup> {
     let mut seen: Vec<(&str, &str)> = Vec::new();
     for record in records {
         if let Some((quantity, _)) = &record.x
@@ -105,23 +108,53 @@ fn plots(records: &[&Record]) -> Vec<Markup> {
             seen.push((series(record), quantity));
         }
     }
-    seen.into_iter().filter_map(|(name, quantity)| one_plot(records, name, quantity)).collect()
+    let plots = seen.into_iter().filter_map(|(name, quantity)| {
+        let of_plot = |record: &&&Record| {
+            series(record) == name && record.x.as_ref().is_some_and(|(own, _)| own == quantity)
+        };
+        let records: Vec<&Record> = records.iter().filter(of_plot).copied().collect();
+        one_plot(&results.machine.levels, &records, name, quantity)
+    });
+    plots.collect()
 }
 
-fn one_plot(records: &[&Record], name: &str, quantity: &str) -> Option<Markup> {
+fn one_plot(levels: &[String], records: &[&Record], name: &str, quantity: &str) -> Option<Markup> {
     let mut curves: Vec<Curve> = Vec::new();
-    for record in records.iter().filter(|record| series(record) == name) {
-        let Some((own, x)) = &record.x else { continue };
-        if own != quantity {
-            continue;
-        }
-        let point = (*x, record.median_ms);
+    let mut ordinate = "time, ms".to_owned();
+    for record in records {
+        let Some((_, x)) = record.x else { continue };
+        let point = match &record.work {
+            // As many as fit the time: what counts is the time of one.
+            Some((count, unit)) if unit == QUERIES => {
+                ordinate = format!("time of one of the {unit}, ns");
+                (x, record.median_ms * 1e6 / count)
+            }
+            _ => (x, record.median_ms),
+        };
         match curves.iter_mut().find(|curve| curve.name == record.variant) {
             Some(curve) => curve.points.push(point),
-            None => curves.push(Curve::new(&*record.variant, Stroke::Marked, vec![point])),
+            None => {
+                let curve = Curve::new(&*record.variant, Stroke::Marked, vec![point]);
+                curves.push(Curve { family: family(levels, &record.variant), ..curve });
+            }
         }
     }
+    let mut xs = curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
+    let scale = if xs.all(|x| x > 0.0 && x.log2().fract() == 0.0) {
+        Scale::Doubling
+    } else {
+        Scale::LogarithmicY
+    };
     let drawable = curves.iter().any(|curve| curve.points.len() > 1);
-    let axes = Axes { x: quantity, y: "time, ms", scale: Scale::Logarithmic };
+    let axes = Axes { x: quantity, y: &ordinate, scale };
     drawable.then(|| html! { div { h3 { (name) } (plot(axes, &curves)) } })
+}
+
+/// Variants of one level are of one family, and those that differ in a number.
+fn family(levels: &[String], variant: &str) -> String {
+    let words = || variant.split([' ', ',']);
+    match words().find(|word| levels.iter().any(|level| level == word)) {
+        Some(level) => level.to_owned(),
+        None => words().filter(|word| word.parse::<f64>().is_err()).collect(),
+    }
 }

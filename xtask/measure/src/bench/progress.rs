@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{FormattedDuration, ProgressBar, ProgressStyle};
 
 /// Where there is no terminal to draw a bar on, a line is printed that often.
 const LINE: Duration = Duration::from_secs(20);
@@ -17,24 +17,27 @@ impl Progress {
     /// None of so many comparisons is done.
     pub fn new(comparisons: usize) -> Progress {
         let bar = ProgressBar::new(comparisons as u64);
-        let style = "{bar:30} {pos} of {len}, {elapsed} of about {duration}: {wide_msg}";
-        bar.set_style(ProgressStyle::with_template(style).expect("the template is well-formed"));
+        let style = ProgressStyle::with_template("{bar:20} {wide_msg}");
+        bar.set_style(style.expect("the template is well-formed"));
         Progress { bar, printed: Instant::now() }
     }
 
     /// A comparison of this name begins.
     pub fn begin(&mut self, name: &str) {
-        self.bar.set_message(name.to_owned());
+        let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
+        let elapsed = self.bar.elapsed();
+        // All comparisons may take the same time, and those with much to prepare are spread.
+        let left = elapsed.as_secs_f64() / done.max(1) as f64 * (all - done) as f64;
+        let [elapsed, left] = [elapsed, Duration::from_secs_f64(left)].map(FormattedDuration);
+        let message = match done {
+            0 => format!("0 of {all}: {name}"),
+            _ => format!("{done} of {all}, {elapsed}, about {left} left: {name}"),
+        };
         if self.bar.is_hidden() && self.printed.elapsed() > LINE {
             self.printed = Instant::now();
-            eprintln!(
-                "{} of {} comparisons after {}, about {} left: {name}",
-                self.bar.position(),
-                self.bar.length().unwrap_or_default(),
-                HumanDuration(self.bar.elapsed()),
-                HumanDuration(self.bar.eta()),
-            );
+            eprintln!("{message}");
         }
+        self.bar.set_message(message);
     }
 
     /// It is done.
