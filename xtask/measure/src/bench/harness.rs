@@ -72,7 +72,8 @@ pub struct Record {
     pub median_ms: f64,
     /// First and third quartile in milliseconds.
     pub quartiles_ms: [f64; 2],
-    /// How often it was visited.
+    /// How often it was visited; older results do not say.
+    #[serde(default)]
     pub rounds: usize,
     /// Median over the rounds of this variant's time relative to the first variant of its group.
     pub ratio: f64,

@@ -28,6 +28,9 @@ pub const CHILD: &str = "--count-instructions";
 /// How much more than the recorded count is a regression.
 const TOLERANCE: f64 = 1.03;
 
+/// What to do where the record does not hold.
+const BLESS: &str = "To record the counts of now: cargo xtask bench --bless";
+
 /// Side of the camera's picture and of the light maps.
 const SIDE: u32 = 256;
 
@@ -60,21 +63,23 @@ struct Counts {
 ///
 /// # Errors
 ///
-/// If callgrind cannot be run, or for a regression.
+/// If callgrind cannot be run, or, to be checked, for a regression or without a record.
 pub fn run(purpose: Purpose) -> Result<(), String> {
     let record = Path::new(env!("CARGO_MANIFEST_DIR")).join("instructions.json");
-    let counts = count()?;
-    let recorded: Counts = match fs::read_to_string(&record) {
-        Ok(text) => {
-            serde_json::from_str(&text).map_err(|e| format!("{}: {e}", record.display()))?
-        }
-        Err(_) => Counts::default(),
+    let recorded = match (read(&record), purpose) {
+        (Err(why), Purpose::Check) => return Err(format!("{why}\n{BLESS}")),
+        (recorded, _) => recorded.unwrap_or_default(),
     };
+    let counts = count()?;
     let mut regressions = Vec::new();
     for (name, &now) in &counts.instructions {
-        let then = recorded.instructions.get(name).copied().unwrap_or(now);
+        let millions = now as f64 * 1e-6;
+        let Some(&then) = recorded.instructions.get(name) else {
+            println!("{millions:>12.3} M instructions  new     {name}");
+            continue;
+        };
         let ratio = now as f64 / then as f64;
-        println!("{:>12.3} M instructions  x{ratio:.3}  {name}", now as f64 * 1e-6);
+        println!("{millions:>12.3} M instructions  x{ratio:.3}  {name}");
         if ratio > TOLERANCE {
             regressions.push(format!("{name}: x{ratio:.3}"));
         }
@@ -84,14 +89,22 @@ pub fn run(purpose: Purpose) -> Result<(), String> {
         fs::write(&record, json + "\n").map_err(|e| format!("{}: {e}", record.display()))?;
         println!("written: {}", record.display());
     } else if recorded.compiler != counts.compiler {
-        println!("the record is from {}: ratios do not say much", recorded.compiler);
+        println!(
+            "NOT CHECKED: the record is of {}, this is {}. {BLESS}",
+            recorded.compiler, counts.compiler
+        );
     } else if purpose == Purpose::Check && !regressions.is_empty() {
         return Err(format!(
-            "more instructions than recorded (bless them with `cargo xtask bench --bless`):\n{}",
+            "more instructions than recorded:\n{}\n{BLESS}",
             regressions.join("\n")
         ));
     }
     Ok(())
+}
+
+fn read(record: &Path) -> Result<Counts, String> {
+    let text = fs::read_to_string(record).map_err(|e| format!("{}: {e}", record.display()))?;
+    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", record.display()))
 }
 
 /// Runs this program under callgrind and reads what it wrote.

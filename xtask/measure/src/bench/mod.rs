@@ -1,6 +1,7 @@
 //! `cargo xtask bench`: times every stage, checked first, variants in turn.
 
 mod area;
+mod changes;
 mod frame;
 mod harness;
 mod instructions;
@@ -20,6 +21,7 @@ mod threads;
 pub use harness::{Bench, Case, Group, Variant};
 pub use threads::{count, on};
 
+use std::fs;
 use std::process::ExitCode;
 
 use options::Options;
@@ -33,7 +35,7 @@ const PARTS: &[Part] = &[
     ("search", search::cases),
     ("single", single::cases),
     ("linear", linear::cases),
-    ("frame", frame::cases),
+    (options::README, frame::cases),
 ];
 
 /// Runs the command.
@@ -53,6 +55,14 @@ pub fn run(arguments: &[String]) -> ExitCode {
     if let Some(purpose) = options.instructions {
         return exit(instructions::run(purpose));
     }
+    exit(time(&options, &names))
+}
+
+/// Times the parts that the options ask for. What can be wrong with the options is found out first.
+fn time(options: &Options, names: &[&'static str]) -> Result<(), String> {
+    let earlier = options.compare.as_deref().map(changes::read).transpose()?;
+    fs::create_dir_all(&options.folder)
+        .map_err(|e| format!("{}: {e}", options.folder.display()))?;
     let chosen = |name: &str| options.parts.is_empty() || options.parts.iter().any(|p| p == name);
     let parts = PARTS.iter().filter(|(name, _)| chosen(name));
     let plan: Vec<(&str, Vec<Case>)> =
@@ -64,8 +74,7 @@ pub fn run(arguments: &[String]) -> ExitCode {
             bench.run(name, case);
         }
     }
-    let results = bench.finish();
-    exit(report::write(&results, &names, &options))
+    report::write(&bench.finish(), earlier.as_ref(), names, options)
 }
 
 fn exit(result: Result<(), String>) -> ExitCode {

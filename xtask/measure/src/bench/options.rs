@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+/// The part that the README's table is of.
+pub const README: &str = "frame";
+
 /// What instructions are counted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -52,6 +55,9 @@ impl Options {
             match argument.as_str() {
                 "--quick" => options.quick = true,
                 "--readme" => options.readme = true,
+                "--instructions" | "--check" | "--bless" if arguments.len() > 1 => {
+                    return Err(format!("bench: {argument} stands alone: it counts every stage"));
+                }
                 "--instructions" => options.instructions = Some(Purpose::Show),
                 "--check" => options.instructions = Some(Purpose::Check),
                 "--bless" => options.instructions = Some(Purpose::Record),
@@ -61,6 +67,10 @@ impl Options {
                 "--help" | "-h" => return Err(help(parts)),
                 other => return Err(format!("bench: unknown `{other}`\n\n{}", help(parts))),
             }
+        }
+        if options.readme && !options.parts.is_empty() && !options.parts.iter().any(|p| p == README)
+        {
+            return Err(format!("bench: --readme needs the part `{README}`"));
         }
         Ok(options)
     }
@@ -80,7 +90,7 @@ Parts: {}
   --compare FILE     an earlier bench.json: shows what changed
   --readme           writes the README's speed table from the part `frame`
 
-Machines are noisy, instruction counts are not; valgrind takes them:
+Machines are noisy, instruction counts are not; valgrind takes them. Without other options:
 
   --instructions     shows those of every stage beside the recorded ones
   --check            and fails where there are more

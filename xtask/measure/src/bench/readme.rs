@@ -1,6 +1,7 @@
 //! The README's speed table, from results.
 
 use super::harness::{Record, Results};
+use super::options::README;
 
 /// The table.
 ///
@@ -9,7 +10,7 @@ use super::harness::{Record, Results};
 /// If no frames were timed.
 pub fn table(results: &Results) -> Result<String, String> {
     // Those with an abscissa are points of a plot.
-    let in_table = |record: &&Record| record.part == "frame" && record.x.is_none();
+    let in_table = |record: &&Record| record.part == README && record.x.is_none();
     let frames: Vec<&Record> = results.records.iter().filter(in_table).collect();
     let [_, ..] = frames[..] else {
         return Err("no frames were timed: run the part `frame`".into());
