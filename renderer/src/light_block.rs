@@ -158,22 +158,39 @@ levels!(
 
 #[inline(always)]
 fn add_light_body(block: &mut Block, emitter: &Emitter, visibility: &Lane) {
+    // Most shine all around: no need to ask for the cone.
+    if (emitter.cone_scale, emitter.cone_offset) == (0.0, 1.0) {
+        return add_arriving(block, emitter, visibility, |_, _| 1.0);
+    }
+    let Emitter { axis, cone_scale, cone_offset, .. } = *emitter;
+    add_arriving(block, emitter, visibility, |[x, y, z], length| {
+        // Between the cone's axis and the ray of light, which runs against (x, y, z).
+        let along = -((x * axis.x + y * axis.y) + z * axis.z);
+        let cone = cone_scale * (along / length) + cone_offset;
+        let cone = if cone > 0.0 { if cone < 1.0 { cone } else { 1.0 } } else { 0.0 };
+        cone * cone
+    });
+}
+
+/// Adds the light of an emitter, of which the part `cone` gets to a receiver with the given offset
+/// to the emitter and distance from it.
+#[inline(always)]
+fn add_arriving(
+    block: &mut Block,
+    emitter: &Emitter,
+    visibility: &Lane,
+    cone: impl Fn([f32; 3], f32) -> f32,
+) {
     let [px, py, pz] = &block.position;
     let [nx, ny, nz] = &block.normal;
     let [r, g, b] = &mut block.irradiance;
-    let [ex, ey, ez, ew] = emitter.place;
-    let (color, axis) = (emitter.color, emitter.axis);
-    let (cone_scale, cone_offset) = (emitter.cone_scale, emitter.cone_offset);
+    let ([ex, ey, ez, ew], color) = (emitter.place, emitter.color);
     for i in 0..BLOCK {
         let (x, y, z) = (ex - ew * px[i], ey - ew * py[i], ez - ew * pz[i]);
         let squared = (x * x + y * y) + z * z;
         let length = squared.sqrt();
         let facing = (x * nx[i] + y * ny[i]) + z * nz[i];
-        // Between the cone's axis and the ray of light, which runs against (x, y, z).
-        let along = -((x * axis.x + y * axis.y) + z * axis.z);
-        let cone = cone_scale * (along / length) + cone_offset;
-        let cone = if cone > 0.0 { if cone < 1.0 { cone } else { 1.0 } } else { 0.0 };
-        let arriving = facing / (squared * length) * (cone * cone) * visibility[i];
+        let arriving = facing / (squared * length) * cone([x, y, z], length) * visibility[i];
         // Written so that a receiver at the light itself, 0 / 0, gets nothing.
         let arriving = if arriving > 0.0 { arriving } else { 0.0 };
         r[i] += color.x * arriving;
@@ -240,6 +257,8 @@ mod tests {
             positions(level, &view, 100, 200, &nearness, &mut block.position);
             surround(level, &mut block, Vec3::splat(0.2), Vec3::splat(0.1));
             add_light(level, &mut block, &emitter, &visibility);
+            let all_around = Emitter { cone_scale: 0.0, cone_offset: 1.0, ..emitter };
+            add_light(level, &mut block, &all_around, &visibility);
             let bits = |lanes: [Lane; 3]| lanes.map(|lane| lane.map(f32::to_bits));
             (bits(block.position), bits(block.normal), bits(block.irradiance))
         };
@@ -251,19 +270,23 @@ mod tests {
 
     #[test]
     fn light_arrives_by_cosine_over_distance_squared() {
-        let mut block = Block::new();
-        block.normal[1] = [1.0; BLOCK + PADDING];
-        let emitter = Emitter {
+        let all_around = Emitter {
             place: [3.0, 4.0, 0.0, 1.0],
             color: Vec3::new(100.0, 50.0, 0.0),
             axis: Vec3::ZERO,
             cone_scale: 0.0,
             cone_offset: 1.0,
         };
-        add_light(Level::SCALAR, &mut block, &emitter, &[0.5; BLOCK + PADDING]);
-        // 100 candela, 5 m away, at cosine 4 / 5, half seen.
-        assert!((block.irradiance[0][9] - 100.0 / 25.0 * 0.8 * 0.5).abs() < 1e-6);
-        assert!((block.irradiance[1][9] - 0.8).abs() < 1e-6);
-        assert_eq!(block.irradiance[2][9], 0.0);
+        // A cone so wide that its edge is nowhere.
+        let cone = Emitter { axis: Vec3::NEG_Y, cone_scale: 1.0, cone_offset: 2.0, ..all_around };
+        for emitter in [all_around, cone] {
+            let mut block = Block::new();
+            block.normal[1] = [1.0; BLOCK + PADDING];
+            add_light(Level::SCALAR, &mut block, &emitter, &[0.5; BLOCK + PADDING]);
+            // 100 candela, 5 m away, at cosine 4 / 5, half seen.
+            assert!((block.irradiance[0][9] - 100.0 / 25.0 * 0.8 * 0.5).abs() < 1e-6);
+            assert!((block.irradiance[1][9] - 0.8).abs() < 1e-6);
+            assert_eq!(block.irradiance[2][9], 0.0);
+        }
     }
 }
