@@ -1,6 +1,7 @@
 //! The visibility channels of a light's samples (section 3).
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use shadowmap_core::{BandSlice, DepthMap, Level, for_each_band};
 
@@ -28,6 +29,9 @@ pub struct VisibilityChannels {
     /// For each row, for each segment, for its first and its last sample: one row of the fraction
     /// of the segment that is seen, from that sample on, up to the nearest skin. 1 where none is.
     pub(crate) seen: Vec<f32>,
+    /// The columns of each row of that which may not be 1. To clear those alone saves half the time
+    /// of drawing: memory is what it waits for.
+    touched: Vec<Range<usize>>,
     /// The nearness that moves a skin's edge by one texel.
     pub(crate) texel_in_nearness: f32,
     /// The instructions to shade with: those that the channels were drawn with.
@@ -50,6 +54,7 @@ impl VisibilityChannels {
             height: 0,
             segments: 0,
             seen: Vec::new(),
+            touched: Vec::new(),
             texel_in_nearness: 0.0,
             level: Level::SCALAR,
             polygons: PolygonScratch::default(),
@@ -72,31 +77,35 @@ impl VisibilityChannels {
         self.texel_in_nearness = 1.0 / views.disparity();
         self.level = options.level;
         let (width, height) = (self.width, self.height);
-        let row_len = 2 * self.segments * width;
+        let channels = 2 * self.segments;
         if width == 0 {
             return;
         }
-        let bands = BandSlice { data: &mut self.seen, len: BAND * row_len };
-        for_each_band(options.threads, bands, &|band, rows| {
-            for (row, channels) in rows.data.chunks_exact_mut(row_len).enumerate() {
-                let y = band * BAND + row;
-                for (channel, out) in channels.chunks_exact_mut(width).enumerate() {
-                    let segment = channel / 2;
-                    // Skins hang in the map of the segment's other end.
-                    let (from, to, side) = match channel % 2 {
-                        0 => (segment + 1, segment, Side::Right),
-                        _ => (segment, segment + 1, Side::Left),
-                    };
-                    let row = SpanRow {
-                        from: Rows::of(maps[from].nearness(), width, height, y),
-                        to: &maps[to].nearness()[y * width..][..width],
-                        disparity: views.disparity(),
-                        side,
-                        discontinuity: options.discontinuity,
-                        transition: options.transition,
-                    };
-                    row.draw(options.level, out);
-                }
+        let bands = (
+            BandSlice { data: &mut self.seen, len: BAND * channels * width },
+            BandSlice { data: &mut self.touched, len: BAND * channels },
+        );
+        for_each_band(options.threads, bands, &|band, (seen, touched)| {
+            let rows = seen.data.chunks_exact_mut(width).zip(touched.data).enumerate();
+            for (row, (out, touched)) in rows {
+                let (y, channel) = (band * BAND + row / channels, row % channels);
+                let segment = channel / 2;
+                // Skins hang in the map of the segment's other end.
+                let (from, to, side) = match channel % 2 {
+                    0 => (segment + 1, segment, Side::Right),
+                    _ => (segment, segment + 1, Side::Left),
+                };
+                let row = SpanRow {
+                    from: Rows::of(maps[from].nearness(), width, height, y),
+                    to: &maps[to].nearness()[y * width..][..width],
+                    disparity: views.disparity(),
+                    side,
+                    discontinuity: options.discontinuity,
+                    transition: options.transition,
+                };
+                out[touched.clone()].fill(1.0);
+                *touched = 0..0;
+                row.draw(options.level, out, touched);
             }
         });
     }
@@ -108,9 +117,15 @@ impl VisibilityChannels {
         for map in maps {
             assert_eq!([map.width(), map.height()], size, "the maps are of the views' size");
         }
-        [self.width, self.height] = size.map(|s| s as usize);
-        self.segments = samples - 1;
-        self.seen.resize(2 * self.segments * self.width * self.height, 1.0);
+        let shape = [samples - 1, size[0] as usize, size[1] as usize];
+        if shape != [self.segments, self.width, self.height] {
+            [self.segments, self.width, self.height] = shape;
+            let rows = 2 * self.segments * self.height;
+            self.seen.clear();
+            self.seen.resize(rows * self.width, 1.0);
+            self.touched.clear();
+            self.touched.resize(rows, 0..0);
+        }
     }
 
     /// Samples that there are channels for; 0 before the first drawing.
@@ -132,8 +147,11 @@ impl VisibilityChannels {
         (&self.seen[(segment * 2 + end) * self.width..], 2 * self.segments * self.width)
     }
 
+    /// The same, to be written.
     pub(crate) fn row_mut(&mut self, segment: usize, end: usize, y: usize) -> &mut [f32] {
-        &mut self.seen[((y * self.segments + segment) * 2 + end) * self.width..][..self.width]
+        let (row, width) = ((y * self.segments + segment) * 2 + end, self.width);
+        self.touched[row] = 0..width;
+        &mut self.seen[row * width..][..width]
     }
 
     /// Writes the visibility channel V_k of section 3.2, row-major: under a skin the fraction of a

@@ -7,6 +7,8 @@
 //! Their threshold is a length in the map that the skin is warped into, since a skin shorter
 //! than about a texel hides nothing. So it adapts to depth, and needs no tuning.
 
+use crate::lanes::{LANES, Ops, lanes};
+
 /// How depth discontinuities are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum EdgeFilter {
@@ -108,30 +110,27 @@ pub(crate) fn laplacian(above: [f32; 3], middle: [f32; 3], below: [f32; 3]) -> f
 /// How many pairs are looked at in one go.
 pub(crate) const BLOCK: usize = 64;
 
-/// Which of the pairs (x, x + 1) of a row, for `BLOCK` values of x from `first` on, have a step of
-/// at least `least` in nearness: a byte each, 1 or 0, in words of eight. No other pair is a
-/// discontinuity, and most blocks have none.
+/// Which of the pairs (x, x + 1) of a row, for `BLOCK` values of x from `first` on, may have a step
+/// of at least `least` in nearness: a bit each. No other pair is a discontinuity, and most blocks
+/// have none. A pair with a NaN counts as one with a step.
 #[inline(always)]
-pub(crate) fn steps(row: &[f32], side: Side, least: f32, first: usize) -> [u64; BLOCK / 8] {
-    let mut steps = [0_u64; BLOCK / 8];
-    let bytes: &mut [u8; BLOCK] = bytemuck::cast_mut(&mut steps);
-    let sign = side.sign();
-    let step = |b: f32, c: f32| u8::from((b - c) * sign >= least);
-    let (left, right) = (&row[first..], &row[first + 1..]);
-    match right.first_chunk::<BLOCK>() {
-        // A length that is known makes whole vectors of it.
-        Some(right) => {
-            for (i, byte) in bytes.iter_mut().enumerate() {
-                *byte = step(left[..BLOCK][i], right[i]);
-            }
-        }
+pub(crate) fn steps(ops: impl Ops, row: &[f32], side: Side, least: f32, first: usize) -> u64 {
+    let pairs = (row.len() - 1 - first).min(BLOCK);
+    let mut padded = [0.0; BLOCK + 1];
+    let texels = match row[first..].first_chunk() {
+        Some(texels) => texels,
         None => {
-            for ((byte, &b), &c) in bytes.iter_mut().zip(left).zip(right) {
-                *byte = step(b, c);
-            }
+            padded[..=pairs].copy_from_slice(&row[first..]);
+            &padded
         }
+    };
+    let (sign, least) = (side.sign(), [least; LANES]);
+    let mut steps = 0;
+    for start in (0..BLOCK).step_by(LANES) {
+        let step = lanes(|i| (texels[start + i] - texels[start + i + 1]) * sign);
+        steps |= u64::from(!ops.greater(&least, &step) & 0xffff) << start;
     }
-    steps.map(u64::from_le)
+    steps & (u64::MAX >> (BLOCK - pairs))
 }
 
 impl Discontinuity {

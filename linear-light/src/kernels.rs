@@ -1,11 +1,14 @@
 //! What every instruction set writes by hand, and the door to the kernels.
 
+use core::ops::Range;
+
 use shadowmap_core::Level;
 
 use crate::Counters;
 use crate::intervals::{Frame, IntervalCounters, Nodes, Scratch, build, judge_band};
 use crate::lanes::{self, BIT, Ids, LANES, Lanes, Ops, lanes, reduce};
 use crate::shading::Image;
+use crate::skin_spans::SpanRow;
 
 /// What is done with kernels: one band of rows at a time.
 pub(crate) enum Job<'a> {
@@ -19,6 +22,8 @@ pub(crate) enum Job<'a> {
         scratch: &'a mut Scratch,
         counters: &'a mut IntervalCounters,
     },
+    /// Draw the skins of a row.
+    Skins { row: &'a SpanRow<'a>, out: &'a mut [f32], touched: &'a mut Range<usize> },
     /// Shade row `y` of an image with skins.
     Shade { image: &'a Image<'a>, y: usize, out: &'a mut [f32], counters: &'a mut Counters },
 }
@@ -33,6 +38,7 @@ impl Job<'_> {
             Job::Judge { frame, first_row, out, scratch, counters } => {
                 judge_band(ops, frame, first_row, out, scratch, counters);
             }
+            Job::Skins { row, out, touched } => row.draw_with(ops, out, touched),
             Job::Shade { image, y, out, counters } => image.shade_row(ops, y, out, counters),
         }
     }

@@ -107,8 +107,11 @@ proptest! {
         };
         let expected: Vec<_> = (0..to.len()).map(|i| texel(&row, i).to_bits()).collect();
         for level in Level::available() {
-            let mut out = std::vec![0.0; to.len()];
-            row.draw(level, &mut out);
+            let (mut out, mut touched) = (std::vec![1.0; to.len()], 0..0);
+            row.draw(level, &mut out, &mut touched);
+            for (i, seen) in out.iter().enumerate() {
+                prop_assert!(*seen == 1.0 || touched.contains(&i), "{} beside {:?}", i, touched);
+            }
             let found: Vec<_> = out.iter().map(|seen| seen.to_bits()).collect();
             prop_assert_eq!(&found, &expected, "{}", level.kind().name());
         }

@@ -6,9 +6,13 @@
 //! skins over one texel the one with the greater e is nearer, so drawing the edges of a row in
 //! order leaves the nearest on top, and no depth buffer of skins is needed.
 
+use core::ops::Range;
+
 use shadowmap_core::Level;
 
 use crate::discontinuity::{BLOCK, Discontinuity, Rows, Side, steps};
+use crate::kernels::{Job, run};
+use crate::lanes::Ops;
 use crate::silhouette::{across_rows, in_both};
 use crate::skins::Transition;
 
@@ -28,79 +32,42 @@ pub(crate) struct SpanRow<'a> {
 }
 
 impl SpanRow<'_> {
-    /// Writes the destination's row of the channel: the fraction of the segment, from its end of
-    /// it on, up to the nearest skin; 1 where no skin hides anything.
-    pub fn draw(&self, level: Level, out: &mut [f32]) {
+    /// Draws into the destination's row of the channel, which is all 1: the fraction of the segment,
+    /// from its end of it on, up to the nearest skin. Adds to `touched` the columns that may no
+    /// longer be 1.
+    pub fn draw(&self, level: Level, out: &mut [f32], touched: &mut Range<usize>) {
         assert!(out.len() == self.to.len() && out.len() == self.from.middle.len());
-        match level.kind() {
-            #[cfg(target_feature = "sse2")]
-            // SAFETY: a `Level` of that kind is the proof that the machine has its instructions.
-            #[allow(unsafe_code)]
-            shadowmap_core::LevelKind::Avx512 => unsafe { self.draw_avx512(out) },
-            #[cfg(target_feature = "sse2")]
-            // SAFETY: as above.
-            #[allow(unsafe_code)]
-            shadowmap_core::LevelKind::Avx2 => unsafe { self.draw_avx2(out) },
-            #[cfg(target_feature = "sse2")]
-            // SAFETY: as above.
-            #[allow(unsafe_code)]
-            shadowmap_core::LevelKind::Sse41 => unsafe { self.draw_sse41(out) },
-            // NEON and simd128 are on for the whole crate wherever they are at all.
-            _ => self.draw_kernel(out),
-        }
-    }
-
-    #[cfg(target_feature = "sse2")]
-    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-    fn draw_avx512(&self, out: &mut [f32]) {
-        self.draw_kernel(out);
-    }
-
-    #[cfg(target_feature = "sse2")]
-    #[target_feature(enable = "avx2")]
-    fn draw_avx2(&self, out: &mut [f32]) {
-        self.draw_kernel(out);
-    }
-
-    #[cfg(target_feature = "sse2")]
-    #[target_feature(enable = "sse4.1")]
-    fn draw_sse41(&self, out: &mut [f32]) {
-        self.draw_kernel(out);
+        run(level, Job::Skins { row: self, out, touched });
     }
 
     #[inline(always)]
-    fn draw_kernel(&self, out: &mut [f32]) {
-        out.fill(1.0);
+    pub(crate) fn draw_with(&self, ops: impl Ops, out: &mut [f32], touched: &mut Range<usize>) {
         let least = self.discontinuity.threshold / self.disparity;
         let blocks = out.len().saturating_sub(1).div_ceil(BLOCK);
         for block in 0..blocks {
             // From the farthest skin to the nearest.
             let first = BLOCK * in_order(self.side, block, blocks);
-            let words = steps(self.from.middle, self.side, least, first);
-            if words.iter().fold(0, |any, word| any | word) == 0 {
-                continue;
-            }
-            for word in 0..words.len() {
-                let word = in_order(self.side, word, words.len());
-                let mut steps = words[word];
-                while steps != 0 {
-                    let byte = match self.side {
-                        Side::Left => steps.trailing_zeros() / 8,
-                        Side::Right => 7 - steps.leading_zeros() / 8,
-                    };
-                    steps &= !(1 << (byte * 8));
-                    let x = first + word * 8 + byte as usize;
-                    if self.discontinuity.is_between(&self.from, x, self.side, least) {
-                        self.draw_skin(x, out);
-                    }
+            let mut steps = steps(ops, self.from.middle, self.side, least, first);
+            while steps != 0 {
+                let pair = match self.side {
+                    Side::Left => steps.trailing_zeros(),
+                    Side::Right => steps.ilog2(),
+                };
+                steps &= !(1 << pair);
+                let x = first + pair as usize;
+                if self.discontinuity.is_between(&self.from, x, self.side, least) {
+                    let span = self.draw_skin(x, out);
+                    let before =
+                        if touched.start < touched.end { touched.clone() } else { span.clone() };
+                    *touched = before.start.min(span.start)..before.end.max(span.end);
                 }
             }
         }
     }
 
-    /// Draws the skin between columns `x` and `x + 1` of the source.
+    /// Draws the skin between columns `x` and `x + 1` of the source, and returns its columns.
     #[inline(always)]
-    fn draw_skin(&self, x: usize, out: &mut [f32]) {
+    fn draw_skin(&self, x: usize, out: &mut [f32]) -> Range<usize> {
         let sign = self.side.sign();
         let shift = self.disparity * sign;
         let (left, right) = (self.from.middle[x], self.from.middle[x + 1]);
@@ -143,6 +110,7 @@ impl SpanRow<'_> {
                 }
             }
         }
+        first..past
     }
 }
 
