@@ -21,7 +21,7 @@ const BACKDROP: [Vec3; 2] = [Vec3::new(0.33, 0.39, 0.46), Vec3::new(0.68, 0.69, 
 
 /// Facets that are kept: about those that a row of pixels sees, since the next row sees most of
 /// them again.
-const KEPT: usize = 512;
+const KEPT: usize = 256;
 
 /// Shades blocks of pixels of the camera.
 pub struct Painter<'a> {
@@ -32,13 +32,13 @@ pub struct Painter<'a> {
     block: Block,
     /// Linear RGB, the result.
     pub color: [Lane; 3],
-    facets: Facets<'a>,
+    facets: &'a mut Facets<'a>,
 }
 
 impl<'a> Painter<'a> {
     /// A painter of pictures of `shading`.
     #[must_use]
-    pub fn new(shading: &'a Shading<'a>, level: Level) -> Painter<'a> {
+    pub fn new(shading: &'a Shading<'a>, level: Level, facets: &'a mut Facets<'a>) -> Painter<'a> {
         let lane = [0.0; BLOCK + PADDING];
         Painter {
             shading,
@@ -47,11 +47,7 @@ impl<'a> Painter<'a> {
             visibility: lane,
             block: Block::new(),
             color: [lane; 3],
-            facets: Facets {
-                prepared: shading.prepared,
-                eye: shading.camera.eye(),
-                kept: [Facet::glowing(Vec3::ZERO); KEPT],
-            },
+            facets,
         }
     }
 
@@ -74,7 +70,7 @@ impl<'a> Painter<'a> {
         self.nearness[count..].fill(0.0);
         self.nearness[..count].copy_from_slice(&self.shading.map.nearness()[pixels.clone()]);
         positions(level, camera, x as u32, y as u32, &self.nearness, &mut self.block.position);
-        look_up(level, &mut self.facets, triangles, backdrop, &mut self.block);
+        look_up(level, self.facets, triangles, backdrop, &mut self.block);
         surround(level, &mut self.block, SKY, BOUNCE);
         let lights = self.shading.emitters.iter().zip(self.shading.visibility);
         for (emitters, visibility) in lights {
@@ -95,6 +91,16 @@ pub struct Facets<'a> {
 }
 
 impl<'a> Facets<'a> {
+    /// None yet.
+    #[must_use]
+    pub fn new(shading: &Shading<'a>) -> Facets<'a> {
+        Facets {
+            prepared: shading.prepared,
+            eye: shading.camera.eye(),
+            kept: [Facet::glowing(Vec3::ZERO); KEPT],
+        }
+    }
+
     /// That of the triangle `index - 1`.
     #[inline(always)]
     fn get(&mut self, index: u32) -> &Facet<'a> {

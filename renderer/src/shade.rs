@@ -4,12 +4,13 @@ use shadowmap_core::{BandSlice, DepthMap, Level, Threads, View, for_each_band};
 
 use crate::emitters::Emitter;
 use crate::light_block::{BLOCK, Lane, PADDING, steps};
-use crate::painter::Painter;
+use crate::painter::{Facets, Painter};
 use crate::prepared::Prepared;
 use crate::tone::ToneTable;
 
-/// Rows of the picture that are shaded together: what one row sees, the next sees again.
-const ROWS: usize = 32;
+/// Rows of the picture that are shaded together: what one row sees, the next sees again. So few that
+/// threads end at about the same time.
+const ROWS: usize = 16;
 
 /// What is shaded.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +102,8 @@ fn rows<T: Send>(
     let (row, step) = (picture.len, BLOCK / aa);
     let bands = BandSlice { len: ROWS * row, ..picture };
     for_each_band(threads, bands, &|band, rows| {
-        let mut painter = Painter::new(shading, level);
+        let mut facets = Facets::new(shading);
+        let mut painter = Painter::new(shading, level, &mut facets);
         for (y, row) in (ROWS * band..).zip(rows.data.chunks_mut(row)) {
             for (index, out) in row.chunks_mut(3 * step).enumerate() {
                 let (x, count) = (index * step * aa, out.len() / 3);
