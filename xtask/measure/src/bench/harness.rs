@@ -22,6 +22,9 @@ use super::threads::on;
 /// are slow after another variant has had the cache, the third is not.
 const WARM_UP: Duration = Duration::from_millis(2);
 
+/// What takes longer need not be warmed up.
+const LONG: Duration = Duration::from_millis(40);
+
 /// How long it is timed per visit, at least.
 const VISIT: Duration = Duration::from_millis(10);
 
@@ -29,7 +32,7 @@ const VISIT: Duration = Duration::from_millis(10);
 const CLOCK: f64 = 1e-4;
 
 /// No fewer rounds.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 7;
 
 /// Rounds end when the standard error of every ratio is below this share of it.
 const PRECISION: f64 = 0.004;
@@ -174,7 +177,7 @@ impl Bench {
     /// Times the variants of a group in turn. What they compute must have been checked before.
     pub fn compare(&mut self, mut group: Group<'_>) {
         self.progress.begin(&format!("{} {}", self.part, group.name));
-        let budget = Duration::from_millis(if self.quick { 700 } else { 2000 });
+        let budget = Duration::from_millis(if self.quick { 1000 } else { 2500 });
         let rounds = rounds(&mut group.variants, budget);
         for (index, times) in rounds.iter().enumerate() {
             self.results.records.push(Record {
@@ -216,8 +219,13 @@ fn rounds(variants: &mut [Variant<'_>], budget: Duration) -> Vec<Vec<f64>> {
 /// Seconds per run, frame after frame.
 fn visit(run: &mut (dyn FnMut() + Send)) -> f64 {
     let start = Instant::now();
-    let mut runs = 0;
-    while runs == 0 || start.elapsed() < WARM_UP {
+    run();
+    let once = start.elapsed();
+    if once > LONG {
+        return once.as_secs_f64();
+    }
+    let mut runs = 1;
+    while start.elapsed() < WARM_UP {
         run();
         runs += 1;
     }
