@@ -51,10 +51,10 @@ impl Tiles {
 }
 
 /// A table that scrolls in itself where the page is narrow.
-pub fn table(head: &[&str], rows: &[Vec<String>]) -> Markup {
+pub fn table(head: &[impl AsRef<str>], rows: &[Vec<String>]) -> Markup {
     html! {
         div.wide { table {
-            thead { tr { @for name in head { th scope="col" { (name) } } } }
+            thead { tr { @for name in head { th scope="col" { (name.as_ref()) } } } }
             tbody { @for row in rows { tr {
                 @for (i, cell) in row.iter().enumerate() {
                     @if i == 0 { th scope="row" { (cell) } } @else { td { (cell) } }

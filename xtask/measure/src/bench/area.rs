@@ -98,7 +98,6 @@ fn beside_rays(
         name: format!("{name} {kind} light, maps of 1024"),
         x: None,
         work: Some((truth.pixels() as f64, "pixels")),
-        bytes: None,
         variants,
     });
 }

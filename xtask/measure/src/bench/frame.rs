@@ -88,11 +88,5 @@ fn frame(
         let shot = &shot;
         Variant::on(threads, count(threads), move || frame.render(shot))
     });
-    bench.compare(Group {
-        name: group,
-        x,
-        work: Some((1.0, "frames")),
-        bytes: None,
-        variants: variants.into(),
-    });
+    bench.compare(Group { name: group, x, work: Some((1.0, "frames")), variants: variants.into() });
 }

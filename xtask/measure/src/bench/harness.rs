@@ -41,6 +41,7 @@ const PRECISION: f64 = 0.004;
 pub struct Variant<'a> {
     name: String,
     threads: Threads,
+    least: Least,
     run: Box<dyn FnMut() + Send + 'a>,
 }
 
@@ -56,8 +57,30 @@ impl<'a> Variant<'a> {
         name: impl Into<String>,
         run: impl FnMut() + Send + 'a,
     ) -> Variant<'a> {
-        Variant { name: name.into(), threads, run: Box::new(run) }
+        Variant { name: name.into(), threads, least: Least::default(), run: Box::new(run) }
     }
+
+    /// A run cannot but read and write so many bytes.
+    pub fn moving(mut self, bytes: impl Into<f64>) -> Variant<'a> {
+        self.least.bytes = bytes.into();
+        self
+    }
+
+    /// A run cannot do with fewer operations on `f32`.
+    pub fn computing(mut self, operations: impl Into<f64>) -> Variant<'a> {
+        self.least.operations = operations.into();
+        self
+    }
+}
+
+/// What a run must do at least, where that is known: what the machine's limits are held against.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Least {
+    /// Bytes read and written.
+    pub bytes: f64,
+    /// Operations on `f32`.
+    pub operations: f64,
 }
 
 /// What one variant of a comparison took.
@@ -82,8 +105,10 @@ pub struct Record {
     pub ratio: f64,
     /// Units of work per run and their name, e.g. 1,048,576 `pixels`.
     pub work: Option<(f64, String)>,
-    /// Bytes that a run must at least read and write, for the note on what bounds it.
-    pub bytes: Option<f64>,
+    /// Threads that it ran on.
+    pub threads: u32,
+    /// What bounds it is judged by this.
+    pub least: Least,
 }
 
 /// All results of a run.
@@ -95,8 +120,24 @@ pub struct Results {
     pub quick: bool,
     /// One record per variant.
     pub records: Vec<Record>,
-    /// Remarks that the parts made, e.g. texels visited per query.
+    /// Remarks that the parts made, e.g. errors beside the truth.
     pub notes: Vec<String>,
+    /// What was counted rather than timed.
+    #[serde(default)]
+    pub tables: Vec<Table>,
+}
+
+/// Counts that go with a part, e.g. texels visited per query.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Table {
+    /// The part of the benchmark.
+    pub part: String,
+    /// What is counted.
+    pub title: String,
+    /// Names of the columns.
+    pub head: Vec<String>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
 }
 
 /// Collects records, and shows progress while it does.
@@ -134,8 +175,6 @@ pub struct Group<'a> {
     pub x: Option<(&'static str, f64)>,
     /// Units of work per run, with their name.
     pub work: Option<(f64, &'static str)>,
-    /// Least traffic per run in bytes.
-    pub bytes: Option<f64>,
     /// The variants; ratios are relative to the first.
     pub variants: Vec<Variant<'a>>,
 }
@@ -144,7 +183,8 @@ impl Bench {
     /// An empty benchmark of so many comparisons.
     pub fn new(quick: bool, comparisons: usize) -> Bench {
         let machine = Machine::this();
-        let results = Results { machine, quick, records: Vec::new(), notes: Vec::new() };
+        let (records, notes, tables) = (Vec::new(), Vec::new(), Vec::new());
+        let results = Results { machine, quick, records, notes, tables };
         Bench { quick, part: String::new(), progress: Progress::new(comparisons), results }
     }
 
@@ -174,23 +214,30 @@ impl Bench {
         self.results.notes.push(format!("{}: {}", self.part, text.into()));
     }
 
+    /// Counts for the report.
+    pub fn table(&mut self, title: String, head: &[&str], rows: Vec<Vec<String>>) {
+        let head = head.iter().map(|name| (*name).to_owned()).collect();
+        self.results.tables.push(Table { part: self.part.clone(), title, head, rows });
+    }
+
     /// Times the variants of a group in turn. What they compute must have been checked before.
     pub fn compare(&mut self, mut group: Group<'_>) {
         self.progress.begin(&format!("{} {}", self.part, group.name));
         let budget = Duration::from_millis(if self.quick { 1000 } else { 2500 });
         let rounds = rounds(&mut group.variants, budget);
-        for (index, times) in rounds.iter().enumerate() {
+        for (variant, times) in group.variants.iter().zip(&rounds) {
             self.results.records.push(Record {
                 part: self.part.clone(),
                 group: group.name.clone(),
-                variant: group.variants[index].name.clone(),
+                variant: variant.name.clone(),
                 x: group.x.map(|(quantity, value)| (quantity.to_owned(), value)),
                 median_ms: quantile(times, 0.5) * 1e3,
                 quartiles_ms: [0.25, 0.75].map(|q| quantile(times, q) * 1e3),
                 ratio: quantile(&ratios(times, &rounds[0]), 0.5),
                 rounds: times.len(),
                 work: group.work.map(|(count, unit)| (count, unit.to_owned())),
-                bytes: group.bytes,
+                threads: if variant.threads == Threads::One { 1 } else { 2 },
+                least: variant.least,
             });
         }
         self.progress.end();

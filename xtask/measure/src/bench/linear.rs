@@ -132,7 +132,8 @@ fn intervals(bench: &mut Bench, shot: &Shot, rays: &Rays<'_>, size: u32, samples
     let (_, expected) = judge(Level::SCALAR, Threads::One);
     let mut bounds = IntervalVisibility::new(Level::detect(), Threads::One);
     let mut variants = vec![
-        Variant::new("maps", move || draw(&mut rasterizer, &mesh, views.views(), &mut drawn)),
+        Variant::new("maps", move || draw(&mut rasterizer, &mesh, views.views(), &mut drawn))
+            .moving(8 * size * size * samples),
         Variant::new("bounds of the maps", || bounds.prepare(&frusta)),
     ];
     let one_thread = Level::available().map(|level| (level, Threads::One));
@@ -142,9 +143,11 @@ fn intervals(bench: &mut Bench, shot: &Shot, rays: &Rays<'_>, size: u32, samples
         assert!(out == expected, "{name} differs from the plain level");
         let (camera, frusta) = (&camera, &frusta);
         let name = format!("visibility, {name}, {}", count(threads));
-        variants.push(Variant::on(threads, name, move || {
+        let run = move || {
             intervals.visibility(camera, frusta, INTERVAL_BIAS, &mut out);
-        }));
+        };
+        // The camera's pass is read, the mask written.
+        variants.push(Variant::on(threads, name, run).moving(12.0 * pixels as f64));
     }
     let counts: &[u32] = if bench.quick() { &[32] } else { &[16, 32, 64] };
     let mut errors = vec![format!("intervals {:.4}", rays.penumbra_rmse(&expected))];
@@ -165,7 +168,6 @@ fn intervals(bench: &mut Bench, shot: &Shot, rays: &Rays<'_>, size: u32, samples
         name: format!("{} intervals, {samples} maps, side {size}", shot.name),
         x: Some(("map side, texels", f64::from(size))),
         work: Some((pixels as f64, "pixels")),
-        bytes: None,
         variants,
     });
 }
@@ -229,7 +231,6 @@ fn skins(bench: &mut Bench, shot: &Shot) {
         name: format!("{} skins, {samples} maps of {size}", shot.name),
         x: None,
         work: None,
-        bytes: None,
         variants,
     });
     let mut rows = VisibilityChannels::new();
@@ -237,7 +238,6 @@ fn skins(bench: &mut Bench, shot: &Shot) {
         name: format!("{} channels, polygons of the paper and rows", shot.name),
         x: None,
         work: None,
-        bytes: None,
         variants: vec![
             Variant::new("channels by polygons, as in the paper", || {
                 polygons.draw_unrelated(views.views(), &maps, &options(Level::detect()));

@@ -3,6 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 use shadowmap_core::Level;
 
@@ -20,6 +21,9 @@ pub struct Machine {
     /// Bytes per second that one thread copies within 8 MiB, what a map of 1024² takes, counting
     /// those read and those written.
     pub bandwidth: f64,
+    /// Multiplications and additions of `f32` per second, as many of each, that one thread makes at
+    /// the widest level; not fused, as nowhere in this workspace.
+    pub peak: f64,
 }
 
 impl Machine {
@@ -34,7 +38,8 @@ impl Machine {
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             levels: Level::available().map(|level| level.kind().name().to_owned()).collect(),
             compiler: compiler(),
-            bandwidth: bandwidth(),
+            bandwidth: best(copy),
+            peak: best(multiply_and_add),
         }
     }
 }
@@ -47,15 +52,35 @@ pub fn compiler() -> String {
     }
 }
 
-/// The best of several copies.
-fn bandwidth() -> f64 {
+/// The most that several attempts reach of what `rate` measures.
+fn best(rate: fn() -> f64) -> f64 {
+    (0..50).map(|_| rate()).fold(0.0, f64::max)
+}
+
+/// Bytes per second of a copy.
+fn copy() -> f64 {
     let from = vec![1_u64; 1 << 19];
     let mut to = vec![0_u64; from.len()];
-    let seconds = (0..50).map(|_| {
-        let start = Instant::now();
-        to.copy_from_slice(black_box(&from));
-        black_box(&to);
-        start.elapsed().as_secs_f64()
-    });
-    (2 * size_of_val(&from[..])) as f64 / seconds.fold(f64::INFINITY, f64::min)
+    to.copy_from_slice(&from);
+    let start = Instant::now();
+    to.copy_from_slice(black_box(&from));
+    black_box(&to);
+    (2 * size_of_val(&from[..])) as f64 / start.elapsed().as_secs_f64()
+}
+
+/// Operations per second on as many independent values as hide what each operation takes.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "x86_64+sse4.1", "aarch64+neon"))]
+fn multiply_and_add() -> f64 {
+    const ROUNDS: usize = 20_000;
+    let mut values = [1.0_f32; 128];
+    let [factor, term] = black_box([0.5_f32, 0.5]);
+    let start = Instant::now();
+    for _ in 0..ROUNDS {
+        for value in &mut values {
+            *value = *value * factor + term;
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    black_box(values);
+    (2 * ROUNDS * values.len()) as f64 / seconds
 }

@@ -3,11 +3,13 @@
 use maud::{Markup, html};
 
 use super::harness::{Record, Results};
+use super::machine::Machine;
 use crate::page::{Section, page, table};
 use crate::plot::{Axes, Curve, Scale, Stroke, plot};
 
-/// Above this share of the machine's bandwidth, memory is what bounds a stage.
-const BOUND_BY_MEMORY: f64 = 0.5;
+/// Above this share of what the machine can move or compute, that is what bounds a stage. Below it,
+/// what is left is neither: waiting for results, branches, and work beyond the least.
+const BOUND: f64 = 0.5;
 
 /// The work of a search.
 const QUERIES: &str = "queries";
@@ -19,7 +21,12 @@ pub fn html(results: &Results, parts: &[&'static str]) -> String {
         p {
             (machine.cpu) ", " (machine.threads) " threads, levels " (machine.levels.join(", ")) ", "
             (machine.compiler) ". One thread copies " (format!("{:.0}", machine.bandwidth * 1e-9))
-            " GB/s within 8 MiB, read and written bytes together."
+            " GB/s within 8 MiB, read and written bytes together, and makes "
+            (format!("{:.0}", machine.peak * 1e-9))
+            " Gop/s, multiplications and additions of 32-bit floats at the widest level. Where the "
+            "least that a run must move or compute is known, the tables say what share of that it "
+            "reaches per thread; where it is less than half of either, neither bounds it but what "
+            "comes on top: waiting for results, branches, other instructions."
         }
         p {
             "What is timed is frame after frame: every result was checked first; then the variants "
@@ -46,7 +53,15 @@ pub fn html(results: &Results, parts: &[&'static str]) -> String {
 
 fn section(results: &Results, part: &str) -> Markup {
     let records: Vec<&Record> = results.records.iter().filter(|r| r.part == part).collect();
-    let head = ["group", "variant", "median, ms", "quartiles, ms", "ratio", "rate", "GB/s"];
+    let head = [
+        "group",
+        "variant",
+        "median, ms",
+        "quartiles, ms",
+        "ratio",
+        "rate",
+        "least work per thread",
+    ];
     let rows: Vec<Vec<String>> = records
         .iter()
         .map(|record| {
@@ -58,7 +73,7 @@ fn section(results: &Results, part: &str) -> Markup {
                 format!("{low:.4} to {high:.4}"),
                 format!("{:.3}", record.ratio),
                 rate(record),
-                traffic(record, results.machine.bandwidth),
+                bound(record, &results.machine),
             ]
         })
         .collect();
@@ -66,6 +81,10 @@ fn section(results: &Results, part: &str) -> Markup {
     html! {
         div.plots { @for plot in plots(results, &records) { (plot) } }
         @for note in notes { p { (note) } }
+        @for counted in results.tables.iter().filter(|counted| counted.part == part) {
+            h3 { (counted.title) }
+            (table(&counted.head, &counted.rows))
+        }
         details { summary { "All " (rows.len()) " figures" } (table(&head, &rows)) }
     }
 }
@@ -82,14 +101,21 @@ pub fn rate(record: &Record) -> String {
     })
 }
 
-/// What a run must at least move per second, and whether that is what bounds it.
-fn traffic(record: &Record, bandwidth: f64) -> String {
-    record.bytes.map_or(String::new(), |bytes| {
-        let speed = bytes / record.median_ms * 1e3;
-        let share = speed / bandwidth;
-        let bound = if share > BOUND_BY_MEMORY { "memory" } else { "operations" };
-        format!("{:.1}, {:.0} % of a copy: bound by {bound}", speed * 1e-9, share * 1e2)
-    })
+/// What a run must at least move and compute per second and thread, and which of both bounds it.
+fn bound(record: &Record, machine: &Machine) -> String {
+    let per_second = |amount: f64| amount / record.median_ms * 1e3 / f64::from(record.threads);
+    let [bytes, operations] = [record.least.bytes, record.least.operations].map(per_second);
+    let shares = [bytes / machine.bandwidth, operations / machine.peak];
+    if shares == [0.0; 2] {
+        return String::new();
+    }
+    let (what, amount, share) = if shares[0] > shares[1] {
+        ("memory", format!("{:.1} GB/s", bytes * 1e-9), shares[0])
+    } else {
+        ("arithmetic", format!("{:.1} Gop/s", operations * 1e-9), shares[1])
+    };
+    let by = if share > BOUND { what } else { "neither" };
+    format!("{amount}, {:.0} % of what {what} allows: bound by {by}", share * 1e2)
 }
 
 /// A group's name without the number at its end, which is its place in the plot.
@@ -120,13 +146,13 @@ fn plots(results: &Results, records: &[&Record]) -> Vec<Markup> {
 
 fn one_plot(levels: &[String], records: &[&Record], name: &str, quantity: &str) -> Option<Markup> {
     let mut curves: Vec<Curve> = Vec::new();
-    let mut ordinate = "time, ms".to_owned();
+    let mut ordinate = "time, ms";
     for record in records {
         let Some((_, x)) = record.x else { continue };
         let point = match &record.work {
             // As many as fit the time: what counts is the time of one.
             Some((count, unit)) if unit == QUERIES => {
-                ordinate = format!("time of one of the {unit}, ns");
+                ordinate = "time per query, ns";
                 (x, record.median_ms * 1e6 / count)
             }
             _ => (x, record.median_ms),
@@ -146,7 +172,7 @@ fn one_plot(levels: &[String], records: &[&Record], name: &str, quantity: &str) 
         Scale::LogarithmicY
     };
     let drawable = curves.iter().any(|curve| curve.points.len() > 1);
-    let axes = Axes { x: quantity, y: &ordinate, scale };
+    let axes = Axes { x: quantity, y: ordinate, scale };
     drawable.then(|| html! { div { h3 { (name) } (plot(axes, &curves)) } })
 }
 

@@ -59,9 +59,11 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
     let mut expected = DepthBuffer::new(size, size);
     draw_plain(&view, &mesh, None, Payload::ObjectId, expected.target());
     let mut plain = expected.clone();
-    let mut variants = vec![Variant::new("plain", || {
+    let bytes = BYTES_PER_TEXEL * f64::from(size) * f64::from(size);
+    let plainly = || {
         draw_plain(&view, &mesh, None, Payload::ObjectId, plain.target());
-    })];
+    };
+    let mut variants = vec![Variant::new("plain", plainly).moving(bytes)];
     let one_thread = Level::available().map(|level| (level, Threads::One));
     for (level, threads) in one_thread.chain([(Level::detect(), Threads::Pool)]) {
         let mut rasterizer = Rasterizer::new(level, threads);
@@ -73,7 +75,7 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
         let name = level.kind().name();
         assert!(map == expected, "{name} differs from the plain version");
         let name = format!("{name}, {}", count(threads));
-        variants.push(Variant::on(threads, name, move || draw(&mut map)));
+        variants.push(Variant::on(threads, name, move || draw(&mut map)).moving(bytes));
     }
     let work = if name == "quad" {
         (f64::from(size * size), "pixels")
@@ -84,7 +86,6 @@ fn levels(bench: &mut Bench, name: &str, mesh: &TriangleMesh, degrees: f32, size
         name: format!("{name} {size}"),
         x: Some(("map side, texels", f64::from(size))),
         work: Some(work),
-        bytes: Some(BYTES_PER_TEXEL * f64::from(size) * f64::from(size)),
         variants,
     });
 }
@@ -111,7 +112,6 @@ fn linear_light(bench: &mut Bench, mesh: &TriangleMesh) {
         name: "sphere 1M, maps of a linear light".to_owned(),
         x: None,
         work: Some((mesh.triangles.len() as f64, "triangles")),
-        bytes: None,
         variants: vec![
             Variant::new("1 map", || {
                 single.draw(&views[1], &mesh, Payload::ObjectId, one.target());
@@ -144,7 +144,6 @@ fn growth(
         name,
         x: Some(x),
         work: Some((x.1, x.0)),
-        bytes: None,
         variants: vec![Variant::new("1 thread", || {
             rasterizer.draw(&view, &mesh, Payload::ObjectId, map.target());
         })],

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::harness::Results;
+use super::harness::{Results, Table};
 use super::options::Options;
 use super::{changes, page, readme};
 
@@ -58,6 +58,13 @@ fn table(results: &Results) -> String {
             record.ratio,
             page::rate(record)
         );
+    }
+    for Table { part, title, head, rows } in &results.tables {
+        text += &format!("\n{part}: {title}\n");
+        for cells in std::iter::once(head).chain(rows) {
+            text.extend(cells.iter().map(|cell| format!("{cell:>22}")));
+            text += "\n";
+        }
     }
     for note in &results.notes {
         text += &format!("\n{note}");

@@ -22,6 +22,9 @@ const CAMERA: u32 = 512;
 const BLOCK: u32 = 8;
 /// The radius of the light whose window the paper's search would look through, in metres.
 const LIGHT_RADIUS: f32 = 0.4;
+/// Operations that compare a texel with the receiver's plane: the texel's distance, times the
+/// slope, plus the row's nearness, and the comparison.
+const PER_TEXEL: f64 = 4.0;
 /// The side of the map that all receivers search.
 const GROWTH: u32 = 1024;
 
@@ -58,14 +61,14 @@ fn one_map(bench: &mut Bench, name: &str, size: u32, radii: &[u32]) {
         let texels = (2 * radius + 1) * (2 * radius + 1);
         let budget = if bench.quick() { 5_000_000 } else { 20_000_000 };
         let blocks = lit.blocks((budget / texels) as usize, |_| radius as f32);
-        search.every_way(bench, format!("{name} {size}, radius {radius}"), radius, &blocks);
-        visits.push(search.visits(radius, &blocks));
+        let name = format!("{name} {size}, radius {radius}");
+        visits.push(search.every_way(bench, name, radius, &blocks));
     }
-    bench.note(format!(
-        "{name} {size}, per query (texels of the box, compared texels, with the pyramid texels and \
-         nodes): {}",
-        visits.join("; ")
-    ));
+    bench.table(
+        format!("Looked at per query, {name} {size}; texels are compared 16 at a time"),
+        &["radius", "texels of the window", "compared in it", "with the pyramid", "and nodes"],
+        visits,
+    );
     if size == GROWTH {
         let all = if bench.quick() { 20_000 } else { usize::MAX };
         for &radius in radii {
@@ -209,25 +212,49 @@ impl Searched<'_> {
         }
     }
 
-    /// The naive search, and every level's with and without the pyramid.
-    fn every_way(&self, bench: &mut Bench, name: String, radius: u32, blocks: &[Block]) {
+    /// The naive search, and every level's with and without the pyramid. Returns what they look at
+    /// per query.
+    fn every_way(
+        &self,
+        bench: &mut Bench,
+        name: String,
+        radius: u32,
+        blocks: &[Block],
+    ) -> Vec<String> {
         let expected = all_of(|take| self.naive(blocks, take));
-        let mut variants = vec![Variant::new("naive", || self.naive(blocks, ignore))];
+        let queries = expected.len() as f64;
+        let [in_box, in_pyramid] = self.visits(blocks);
+        let window = f64::from((2 * radius + 1) * (2 * radius + 1));
+        let naive = Variant::new("naive", || self.naive(blocks, ignore));
+        let naive = naive.computing(PER_TEXEL * window * queries);
+        let mut variants = vec![naive];
         for level in Level::available() {
             let kind = level.kind().name();
             let found = all_of(|take| self.in_box(level, blocks, take));
             assert!(found == expected, "{name}: {kind}, box differs from the naive search");
-            variants.push(Variant::new(format!("{kind}, box"), move || {
-                self.in_box(level, blocks, ignore);
-            }));
+            let name_of = |way: &str| format!("{kind}, {way}");
+            let run = move || self.in_box(level, blocks, ignore);
+            variants.push(
+                Variant::new(name_of("box"), run).computing(PER_TEXEL * in_box.texels as f64),
+            );
             let found = all_of(|take| self.in_pyramid(level, blocks, take));
             assert!(found == expected, "{name}: {kind}, pyramid differs from the naive search");
-            variants.push(Variant::new(format!("{kind}, pyramid"), move || {
-                self.in_pyramid(level, blocks, ignore);
-            }));
+            let run = move || self.in_pyramid(level, blocks, ignore);
+            variants.push(
+                Variant::new(name_of("pyramid"), run)
+                    .computing(PER_TEXEL * in_pyramid.texels as f64),
+            );
         }
-        let work = Some((expected.len() as f64, "queries"));
-        bench.compare(Group { name, x: Some(radius_of(radius)), work, bytes: None, variants });
+        let work = Some((queries, "queries"));
+        bench.compare(Group { name, x: Some(radius_of(radius)), work, variants });
+        let per_query = |count: u64| count as f64 / queries;
+        vec![
+            radius.to_string(),
+            window.to_string(),
+            format!("{:.0}", per_query(in_box.texels)),
+            format!("{:.1}", per_query(in_pyramid.texels)),
+            format!("{:.1}", per_query(in_pyramid.nodes)),
+        ]
     }
 
     /// The default path alone, from all receivers.
@@ -240,7 +267,6 @@ impl Searched<'_> {
             name: format!("growth with radius, {scene} 1024: {radius}"),
             x: Some(radius_of(radius)),
             work: Some((expected.len() as f64, "queries")),
-            bytes: None,
             variants: vec![Variant::new("pyramid", || self.in_pyramid(level, blocks, ignore))],
         });
     }
@@ -261,7 +287,6 @@ impl Searched<'_> {
             name: format!("{scene} 1024, window of a light of radius {LIGHT_RADIUS}"),
             x: None,
             work: Some((expected.len() as f64, "queries")),
-            bytes: None,
             variants: vec![
                 Variant::new("naive", || self.naive(&blocks, ignore)),
                 Variant::new("pyramid", || self.in_pyramid(level, &blocks, ignore)),
@@ -269,23 +294,23 @@ impl Searched<'_> {
         });
     }
 
-    /// What is looked at per query.
-    fn visits(&self, radius: u32, blocks: &[Block]) -> String {
-        let count = blocks.iter().map(Vec::len).sum::<usize>() as f64;
-        let queries = blocks.iter().flatten().map(Receiver::query);
-        let in_box: u64 = queries.map(|query| Visits::of_box(self.map, &query).texels).sum();
-        let in_box = in_box as f64 / count;
+    /// What is looked at in the box, and with the pyramid.
+    fn visits(&self, blocks: &[Block]) -> [Visits; 2] {
+        let mut all = [Visits::default(); 2];
+        let mut add = |way: usize, visits: Visits| {
+            all[way].texels += visits.texels;
+            all[way].nodes += visits.nodes;
+        };
         let mut hits = vec![None; (BLOCK * BLOCK) as usize];
-        let (mut texels, mut nodes) = (0, 0);
         for block in blocks {
+            let queries: Vec<Query> = block.iter().map(Receiver::query).collect();
+            for query in &queries {
+                add(0, Visits::of_box(self.map, query));
+            }
             let hits = &mut hits[..block.len()];
-            let block: Vec<Query> = block.iter().map(Receiver::query).collect();
-            let visits = Visits::of_pyramid(self.map, self.pyramid, &block, hits);
-            (texels, nodes) = (texels + visits.texels, nodes + visits.nodes);
+            add(1, Visits::of_pyramid(self.map, self.pyramid, &queries, hits));
         }
-        let (texels, nodes) = (texels as f64 / count, nodes as f64 / count);
-        let window = (2 * radius + 1) * (2 * radius + 1);
-        format!("r {radius}: {window}, {in_box:.0}, {texels:.1} + {nodes:.1}")
+        all
     }
 }
 
@@ -312,28 +337,37 @@ fn build(bench: &mut Bench, name: &str, scene: &Scene, view: &View, map: DepthMa
     let mesh = scene.mesh.as_mesh();
     let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
     let mut drawn = DepthBuffer::new(width, height);
-    let mut storage =
-        [(); 2].map(|()| vec![NodeGroup::default(); Pyramid::storage_len(width, height)]);
-    let [whole, part] = &mut storage;
+    rasterizer.draw(view, &mesh, Payload::ObjectId, drawn.target());
+    assert!(drawn.nearness == map.nearness(), "{name}: the map is drawn differently again");
     let level = Level::detect();
-    Pyramid::build(level, map, part, &mut []).expect("the storage is as long as asked");
+    let mut storage =
+        [(); 3].map(|()| vec![NodeGroup::default(); Pyramid::storage_len(width, height)]);
+    let [expected, whole, part] = &mut storage;
+    Pyramid::build(Level::SCALAR, map, expected, &mut []).expect("as long as asked");
+    let build = |nodes: &mut [NodeGroup]| {
+        Pyramid::build(level, map, nodes, &mut []).expect("as long as asked");
+    };
+    let update = |nodes: &mut [NodeGroup]| {
+        let texels = width / 2..width / 2 + 64;
+        let pyramid = Pyramid::update(level, map, nodes, &mut [], texels.clone(), texels);
+        pyramid.expect("as long as asked");
+    };
+    build(whole);
+    build(part);
+    update(part);
+    assert!(whole == expected && part == expected, "{name}: the pyramid differs from plain Rust's");
+    let texels = f64::from(width) * f64::from(height);
+    let bytes = 4.0 * texels + size_of_val(&whole[..]) as f64;
     bench.compare(Group {
         name: format!("making the pyramid, {name}"),
         x: Some(("map side, texels", f64::from(width))),
-        work: Some((f64::from(width) * f64::from(height), "texels")),
-        bytes: None,
+        work: Some((texels, "texels")),
         variants: vec![
             Variant::new("draw the map", || {
                 rasterizer.draw(view, &mesh, Payload::ObjectId, drawn.target());
             }),
-            Variant::new("build", || {
-                Pyramid::build(level, map, whole, &mut []).expect("as above");
-            }),
-            Variant::new("update 64 x 64 texels", || {
-                let texels = width / 2..width / 2 + 64;
-                let pyramid = Pyramid::update(level, map, part, &mut [], texels.clone(), texels);
-                pyramid.expect("as above");
-            }),
+            Variant::new("build", || build(whole)).moving(bytes),
+            Variant::new("update 64 x 64 texels", || update(part)),
         ],
     });
 }

@@ -104,6 +104,11 @@ impl<'a> Shot<'a> {
         })
     }
 
+    /// What is read of the camera's pass and written to the mask.
+    fn bytes(&self) -> f64 {
+        12.0 * self.seen.nearness.len() as f64
+    }
+
     fn mask(&self) -> Vec<f32> {
         vec![0.0; self.seen.nearness.len()]
     }
@@ -121,15 +126,15 @@ fn levels(bench: &mut Bench, name: &str, shot: &Shot<'_>) {
             draw(level, Threads::One, group, &mut out);
             let name = level.kind().name();
             assert!(out == expected, "{name} differs from plain Rust");
-            variants.push(Variant::new(name, move || {
+            let run = move || {
                 draw(level, Threads::One, group, &mut out);
-            }));
+            };
+            variants.push(Variant::new(name, run).moving(shot.bytes()));
         }
         bench.compare(Group {
             name: format!("{name}, levels"),
             x: None,
             work: Some((expected.len() as f64, "pixels")),
-            bytes: None,
             variants,
         });
     });
@@ -159,7 +164,7 @@ fn adaptive(bench: &mut Bench, name: &str, shot: &Shot<'_>) {
         ];
         let work = Some((f64::from(all.searches), "searches"));
         let name = format!("{name}, adaptive");
-        bench.compare(Group { name, x: None, work, bytes: None, variants });
+        bench.compare(Group { name, x: None, work, variants });
     });
 }
 
@@ -175,11 +180,13 @@ fn threads(bench: &mut Bench, name: String, (over, x): (&'static str, f32), shot
         let variants = vec![
             Variant::on(Threads::One, count(Threads::One), || {
                 draw(level, Threads::One, group, &mut one);
-            }),
+            })
+            .moving(shot.bytes()),
             Variant::on(Threads::Pool, count(Threads::Pool), || {
                 draw(level, Threads::Pool, group, &mut two);
-            }),
+            })
+            .moving(shot.bytes()),
         ];
-        bench.compare(Group { name, x: Some((over, f64::from(x))), work, bytes: None, variants });
+        bench.compare(Group { name, x: Some((over, f64::from(x))), work, variants });
     });
 }
