@@ -9,7 +9,7 @@ use crate::plane::Plane;
 use crate::simd::{MAX_LANES, Simd};
 
 /// The most rows that a band has.
-pub(crate) const MAX_ROWS: usize = 64;
+pub(crate) const MAX_ROWS: usize = 32;
 
 /// How a map is cut into bands of rows. A band is what one thread owns at a time, and small enough
 /// to stay in its cache while it is cleared and drawn.

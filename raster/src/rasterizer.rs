@@ -1,9 +1,9 @@
 //! The rasterizer that callers keep.
 
 use alloc::vec::Vec;
-use core::slice;
+use core::{iter, slice};
 
-use shadowmap_core::{BandSlice, Level, Mesh, Threads, View, for_each_band};
+use shadowmap_core::{BandSlice, Bands, DepthMap, Level, Mesh, Threads, View, for_each_band};
 
 use crate::band::{Rows, draw_band};
 use crate::binning::{Source, bin};
@@ -66,7 +66,7 @@ impl Rasterizer {
         mut target: Target<'_>,
     ) -> DrawStats {
         let (views, targets) = (slice::from_ref(view), slice::from_mut(&mut target));
-        self.draw_views(views, mesh, None, payload, targets)
+        self.draw_views(views, mesh, None, payload, targets, nothing())
     }
 
     /// Draws the same mesh from several views, such as the samples of a linear light (Heidrich,
@@ -86,7 +86,7 @@ impl Rasterizer {
         payload: Payload,
         targets: &mut [Target<'_>],
     ) -> DrawStats {
-        self.draw_views(views, mesh, None, payload, targets)
+        self.draw_views(views, mesh, None, payload, targets, nothing())
     }
 
     /// Like [`Rasterizer::draw_many`], with an alpha test for some of the triangles.
@@ -102,16 +102,52 @@ impl Rasterizer {
         payload: Payload,
         targets: &mut [Target<'_>],
     ) -> DrawStats {
-        self.draw_views(views, mesh, Some(mask), payload, targets)
+        self.draw_views(views, mesh, Some(mask), payload, targets, nothing())
     }
 
-    fn draw_views(
+    /// Like [`Rasterizer::draw_masked`] or, without a `mask`, [`Rasterizer::draw_many`], and hands on
+    /// the maps in bands of `rows` rows, each as soon as it is drawn. Its texels are in the thread's
+    /// cache then: whoever reads the whole map anyway need not fetch them again.
+    ///
+    /// `finish` is called once for every band of every map, by several threads at a time. It gets
+    /// the band as a map of its own, whose payload it takes for object IDs, and the same band of
+    /// what lies `beside` the map, of which there is one for each view. The last band of a map may
+    /// have fewer rows.
+    ///
+    /// # Panics
+    ///
+    /// As [`Rasterizer::draw_many`]; also if `rows` is not a multiple of [`Rasterizer::BAND`], or
+    /// if there are fewer `beside` than views.
+    pub fn draw_in_bands<B: Bands>(
         &mut self,
         views: &[View],
         mesh: &Mesh<'_>,
         mask: Option<&AlphaMask<'_>>,
         payload: Payload,
         targets: &mut [Target<'_>],
+        rows: u32,
+        beside: impl IntoIterator<Item = B>,
+        finish: &(impl Fn(DepthMap<'_>, B) + Sync),
+    ) -> DrawStats {
+        assert!(
+            rows > 0 && rows.is_multiple_of(Rasterizer::BAND),
+            "bands of a multiple of 32 rows"
+        );
+        let then = Then { rows: rows as usize, beside: beside.into_iter(), finish };
+        self.draw_views(views, mesh, mask, payload, targets, then)
+    }
+
+    /// [`Rasterizer::draw_in_bands`] takes multiples of this many rows.
+    pub const BAND: u32 = MAX_ROWS as u32;
+
+    fn draw_views<B: Bands>(
+        &mut self,
+        views: &[View],
+        mesh: &Mesh<'_>,
+        mask: Option<&AlphaMask<'_>>,
+        payload: Payload,
+        targets: &mut [Target<'_>],
+        mut then: Then<'_, impl Iterator<Item = B>, impl Fn(DepthMap<'_>, B) + Sync>,
     ) -> DrawStats {
         assert_eq!(views.len(), targets.len(), "one target per view");
         for (view, target) in views.iter().zip(targets.iter()) {
@@ -126,7 +162,7 @@ impl Rasterizer {
         let beside = views.chunk_by(is_beside);
         for views in beside.flat_map(|views| views.chunks(MOST_BESIDE)) {
             let (here, rest) = targets.split_at_mut(views.len());
-            let drawn = self.draw_beside(views, mesh, mask, payload, here);
+            let drawn = self.draw_beside(views, mesh, mask, payload, here, &mut then);
             stats.drawn += drawn.drawn;
             stats.clipped += drawn.clipped;
             stats.invalid += drawn.invalid;
@@ -136,13 +172,14 @@ impl Rasterizer {
     }
 
     /// Draws views that lie beside each other, together.
-    fn draw_beside(
+    fn draw_beside<B: Bands>(
         &mut self,
         views: &[View],
         mesh: &Mesh<'_>,
         mask: Option<&AlphaMask<'_>>,
         payload: Payload,
         targets: &mut [Target<'_>],
+        then: &mut Then<'_, impl Iterator<Item = B>, impl Fn(DepthMap<'_>, B) + Sync>,
     ) -> DrawStats {
         let (level, threads) = (self.level, self.threads);
         let grid = Grid::new(views[0].width(), views[0].height());
@@ -176,39 +213,96 @@ impl Rasterizer {
                 stats.clipped += bins.stats.clipped;
                 stats.invalid += bins.stats.invalid;
             }
+            let is_last = end == mesh.triangles.len();
             for (view, target) in targets.iter_mut().enumerate() {
-                self.draw_batch(grid, view, target, mask, first == 0);
+                let binned = Binned { grid, view, mask, clear: first == 0 };
+                if is_last {
+                    let beside = then.beside.next().expect("one beside for each view");
+                    self.draw_batch(binned, target, then.rows, beside, then.finish);
+                } else {
+                    self.draw_batch(binned, target, 0, Nothing, &ignore);
+                }
             }
-            first = end;
-            if first == mesh.triangles.len() {
+            if is_last {
                 return stats;
             }
+            first = end;
         }
     }
 
-    /// Draws what is binned for one view.
-    fn draw_batch(
+    /// Draws what is binned, in bands of at least `rows` rows.
+    fn draw_batch<B: Bands>(
         &self,
-        grid: Grid,
-        view: usize,
+        binned: Binned<'_>,
         target: &mut Target<'_>,
-        mask: Option<&AlphaMask<'_>>,
-        clear: bool,
+        rows: usize,
+        beside: B,
+        finish: &(impl Fn(DepthMap<'_>, B) + Sync),
     ) {
         if target.nearness.is_empty() {
             return;
         }
-        let len = grid.rows() * target.width as usize;
+        let Binned { grid, view, mask, clear } = binned;
+        // A band is drawn in as many steps as it takes to keep it in the nearest cache.
+        let steps = (rows / grid.rows()).max(1);
+        let step = grid.rows() * target.width as usize;
         let bands = (
-            BandSlice { data: &mut *target.nearness, len },
-            BandSlice { data: &mut *target.payload, len },
+            BandSlice { data: &mut *target.nearness, len: steps * step },
+            BandSlice { data: &mut *target.payload, len: steps * step },
+            beside,
         );
-        for_each_band(self.threads, bands, &|band, (nearness, payload)| {
+        for_each_band(self.threads, bands, &|index, (nearness, payload, beside)| {
             let (nearness, payload) = (nearness.data, payload.data);
-            let kept = if clear { [0; 2] } else { [0, grid.width] };
-            let (kept, strips) = ([kept; MAX_ROWS], Strips::EMPTY);
-            let mut rows = Rows { grid, band, kept, strips, nearness, payload };
-            draw_band(self.level, &mut rows, &self.chunks, view, mask);
+            let parts = nearness.chunks_mut(step).zip(payload.chunks_mut(step));
+            for (band, (nearness, payload)) in (index * steps..).zip(parts) {
+                let kept = if clear { [0; 2] } else { [0, grid.width] };
+                let (kept, strips) = ([kept; MAX_ROWS], Strips::EMPTY);
+                let mut rows = Rows { grid, band, kept, strips, nearness, payload };
+                draw_band(self.level, &mut rows, &self.chunks, view, mask);
+            }
+            let height = nearness.len() as u32 / grid.width;
+            let drawn = DepthMap::new(grid.width, height, nearness, payload);
+            finish(drawn.expect("bands consist of whole rows"), beside);
         });
+    }
+}
+
+/// What is binned for one view.
+#[derive(Clone, Copy, Debug)]
+struct Binned<'a> {
+    grid: Grid,
+    view: usize,
+    mask: Option<&'a AlphaMask<'a>>,
+    /// Whether the map holds nothing yet.
+    clear: bool,
+}
+
+/// What is to be done with each band of `rows` rows when it is drawn.
+#[derive(Debug)]
+struct Then<'f, I, F> {
+    rows: usize,
+    /// One for each view.
+    beside: I,
+    finish: &'f F,
+}
+
+/// Nothing is to be done.
+fn nothing() -> Then<'static, impl Iterator<Item = Nothing>, impl Fn(DepthMap<'_>, Nothing) + Sync>
+{
+    Then { rows: 0, beside: iter::repeat(Nothing), finish: &ignore }
+}
+
+fn ignore(_: DepthMap<'_>, _: Nothing) {}
+
+/// What lies beside a map for which nobody waits.
+#[derive(Clone, Copy, Debug)]
+struct Nothing;
+
+impl Bands for Nothing {
+    fn count(&self) -> usize {
+        0
+    }
+    fn split_at(self, _: usize) -> (Nothing, Nothing) {
+        (Nothing, Nothing)
     }
 }

@@ -4,7 +4,7 @@
 mod support;
 
 use raster::{AlphaMask, DepthBuffer, DrawStats, Payload, Rasterizer, draw_plain};
-use shadowmap_core::{Level, Threads, View};
+use shadowmap_core::{BandSlice, Level, Threads, View};
 use support::{Random, Soup, rectified_views, soup, torture, views};
 
 fn plain(
@@ -195,4 +195,59 @@ fn a_mesh_of_more_than_one_batch() {
     let stats = rasterizer.draw(&view, &soup.mesh(), Payload::TriangleIndex, map.target());
     assert_same(&map, &expected, "two batches");
     assert_eq!(stats, expected_stats);
+}
+
+/// Every band of every map is handed on once, as it is in the end, with what belongs to it.
+#[test]
+fn bands_are_handed_on_when_they_are_drawn() {
+    // More triangles than there are texels: they are drawn in several batches.
+    for (size, count) in [(0.1, 2000), (0.003, 90_000)] {
+        let soup = soup(&mut Random(11), count, size);
+        let views = [rectified_views(), views().to_vec()].concat();
+        let mut expected: Vec<_> = views.iter().map(dirty).collect();
+        let mut targets: Vec<_> = expected.iter_mut().map(DepthBuffer::target).collect();
+        let mut rasterizer = Rasterizer::new(Level::SCALAR, Threads::One);
+        rasterizer.draw_many(&views, &soup.mesh(), Payload::ObjectId, &mut targets);
+        for (level, threads) in
+            Level::available().flat_map(|level| [(level, Threads::One), (level, Threads::Pool)])
+        {
+            for rows in [Rasterizer::BAND, 3 * Rasterizer::BAND] {
+                let mut maps: Vec<_> = views.iter().map(dirty).collect();
+                let mut copies: Vec<_> = views.iter().map(dirty).collect();
+                let beside = copies.iter_mut().map(|copy| {
+                    let len = (rows * copy.width()) as usize;
+                    (
+                        BandSlice { data: &mut copy.nearness[..], len },
+                        BandSlice { data: &mut copy.payload[..], len },
+                    )
+                });
+                let mut targets: Vec<_> = maps.iter_mut().map(DepthBuffer::target).collect();
+                let (mut rasterizer, mesh) = (Rasterizer::new(level, threads), soup.mesh());
+                rasterizer.draw_in_bands(
+                    &views,
+                    &mesh,
+                    None,
+                    Payload::ObjectId,
+                    &mut targets,
+                    rows,
+                    beside,
+                    &|band, (nearness, payload)| {
+                        assert_eq!(
+                            band.height() as usize,
+                            nearness.data.len() / band.width() as usize
+                        );
+                        nearness.data.copy_from_slice(band.nearness());
+                        payload.data.copy_from_slice(band.ids());
+                    },
+                );
+                let what = format!("{}, {threads:?}, {rows} rows", level.kind().name());
+                for (copy, expected) in copies.iter().zip(&expected) {
+                    assert_same(copy, expected, &what);
+                }
+                for (map, expected) in maps.iter().zip(&expected) {
+                    assert_same(map, expected, &what);
+                }
+            }
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! Triangles to maps: what the camera's pass and the lights' maps share.
 
-use raster::{DepthBuffer, Payload, Rasterizer, Target};
-use shadowmap_core::{Level, Mesh, Threads, View};
+use raster::{AlphaMask, DepthBuffer, DrawStats, Payload, Rasterizer, Target};
+use shadowmap_core::{DepthMap, Level, Mesh, Threads, View};
+use simd_search::{LeafBands, NodeGroup, Pyramid};
 
 use crate::prepared::Prepared;
 
@@ -20,6 +21,7 @@ pub(crate) enum Viewer {
 /// A rasterizer for a scene's meshes, alpha tests included.
 #[derive(Debug)]
 pub(crate) struct Drawing {
+    level: Level,
     rasterizer: Rasterizer,
     /// The scene's triangles but for those that are not drawn.
     triangles: Vec<[u32; 3]>,
@@ -27,7 +29,7 @@ pub(crate) struct Drawing {
 
 impl Drawing {
     pub fn new(level: Level, threads: Threads) -> Drawing {
-        Drawing { rasterizer: Rasterizer::new(level, threads), triangles: Vec::new() }
+        Drawing { level, rasterizer: Rasterizer::new(level, threads), triangles: Vec::new() }
     }
 
     /// Draws one map per view, in one pass over the mesh. Returns how many triangles were drawn.
@@ -38,6 +40,54 @@ impl Drawing {
         views: &[View],
         payload: Payload,
         maps: &mut [DepthBuffer],
+    ) -> u64 {
+        self.with_mesh(
+            prepared,
+            viewer,
+            views,
+            maps,
+            |rasterizer, mesh, mask, targets| match mask {
+                Some(mask) => rasterizer.draw_masked(views, mesh, mask, payload, targets),
+                None => rasterizer.draw_many(views, mesh, payload, targets),
+            },
+        )
+    }
+
+    /// Draws one map per view of a light and, while its texels are in the cache, the leaves of its
+    /// pyramid, which [`Pyramid::finish`] finishes.
+    pub fn draw_with_leaves(
+        &mut self,
+        prepared: &Prepared<'_>,
+        views: &[View],
+        maps: &mut [DepthBuffer],
+        pyramids: &mut [Vec<NodeGroup>],
+    ) -> u64 {
+        let (level, rows) = (self.level, LeafBands::ROWS);
+        let leaves = views.iter().zip(pyramids).map(|(view, nodes)| {
+            let (width, height) = (view.width(), view.height());
+            nodes.resize(Pyramid::storage_len(width, height), NodeGroup::default());
+            LeafBands::new(width, height, rows, nodes, &mut []).expect("storage as long as asked")
+        });
+        let payload = Payload::ObjectId;
+        self.with_mesh(prepared, Viewer::Light, views, maps, |rasterizer, mesh, mask, targets| {
+            let build = |band: DepthMap<'_>, leaves: LeafBands<'_>| leaves.build(level, band);
+            rasterizer.draw_in_bands(views, mesh, mask, payload, targets, rows, leaves, &build)
+        })
+    }
+
+    /// Lets `draw` draw what a viewer is shown, into maps of the views' sizes.
+    fn with_mesh(
+        &mut self,
+        prepared: &Prepared<'_>,
+        viewer: Viewer,
+        views: &[View],
+        maps: &mut [DepthBuffer],
+        draw: impl FnOnce(
+            &mut Rasterizer,
+            &Mesh<'_>,
+            Option<&AlphaMask<'_>>,
+            &mut [Target<'_>],
+        ) -> DrawStats,
     ) -> u64 {
         for (view, map) in views.iter().zip(maps.iter_mut()) {
             if (map.width(), map.height()) != (view.width(), view.height()) {
@@ -54,10 +104,7 @@ impl Drawing {
         }
         let mut targets: Vec<Target<'_>> = maps.iter_mut().map(DepthBuffer::target).collect();
         let rasterizer = &mut self.rasterizer;
-        let stats = prepared.with_alpha_mask(|mask| match mask {
-            Some(mask) => rasterizer.draw_masked(views, &mesh, mask, payload, &mut targets),
-            None => rasterizer.draw_many(views, &mesh, payload, &mut targets),
-        });
+        let stats = prepared.with_alpha_mask(|mask| draw(rasterizer, &mesh, mask, &mut targets));
         stats.drawn as u64
     }
 }

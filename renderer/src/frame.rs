@@ -14,6 +14,7 @@ use shadowmap_core::{Camera, Level, Surfaces, Threads, View, both};
 use crate::drawing::{Drawing, Viewer};
 use crate::emitters::{Emitter, exposure, push_emitters};
 use crate::lighting::LightJob;
+use crate::method::Method;
 use crate::prepared::Prepared;
 use crate::shade::{Pixels, Shading, shade};
 use crate::shadow::{FirstMaps, Log, Scene, ShadowStage};
@@ -168,7 +169,8 @@ impl Frame {
                 Goal::LightMap => vec![light.plan.first_views()],
                 _ => light.plan.first_maps(),
             };
-            shadow.draw_maps(light_drawing, prepared, &groups, &mut log);
+            let searched = light.method == Method::Search && shot.goal > Goal::LightMap;
+            shadow.draw_maps(light_drawing, prepared, &groups, searched, &mut log);
         };
         let (mut together, mut of_camera) = (Duration::ZERO, Duration::ZERO);
         let (drawn, ()) =

@@ -33,7 +33,8 @@ pub(crate) struct ShadowStage {
     maps: Vec<DepthBuffer>,
     /// At most one map that only tells whether a sample is missing.
     trial: Vec<DepthBuffer>,
-    pyramid: Vec<NodeGroup>,
+    /// The pyramids of the maps, where they are searched.
+    pyramids: Vec<Vec<NodeGroup>>,
     intervals: IntervalVisibility,
     channels: Vec<VisibilityChannels>,
     /// The camera's nearness where a receiver belongs to one of several faces.
@@ -78,7 +79,7 @@ impl ShadowStage {
             threads,
             maps: Vec::new(),
             trial: Vec::new(),
-            pyramid: Vec::new(),
+            pyramids: Vec::new(),
             intervals: IntervalVisibility::new(level, threads),
             channels: Vec::new(),
             of_face: Vec::new(),
@@ -100,12 +101,13 @@ impl ShadowStage {
     }
 
     /// Draws the maps of `groups` of views, one group after another: all frusta of a light, or the
-    /// faces of one of its samples.
+    /// faces of one of its samples. If they are to be searched, with the leaves of their pyramids.
     pub fn draw_maps(
         &mut self,
         drawing: &mut Drawing,
         prepared: &Prepared<'_>,
         groups: &[&[View]],
+        searched: bool,
         log: &mut Log<'_>,
     ) {
         if groups.is_empty() {
@@ -113,12 +115,19 @@ impl ShadowStage {
         }
         let count = groups.iter().map(|views| views.len()).sum();
         self.maps.resize_with(count, || DepthBuffer::new(0, 0));
-        let mut maps = &mut self.maps[..];
+        self.pyramids.resize_with(count.max(self.pyramids.len()), Vec::new);
+        let (mut maps, mut pyramids) = (&mut self.maps[..], &mut self.pyramids[..]);
         timed(&mut log.times.light_maps, || {
             for views in groups {
                 let (these, others) = std::mem::take(&mut maps).split_at_mut(views.len());
                 maps = others;
-                let drawn = drawing.draw(prepared, Viewer::Light, views, Payload::ObjectId, these);
+                let (leaves, others) = std::mem::take(&mut pyramids).split_at_mut(views.len());
+                pyramids = others;
+                let drawn = if searched {
+                    drawing.draw_with_leaves(prepared, views, these, leaves)
+                } else {
+                    drawing.draw(prepared, Viewer::Light, views, Payload::ObjectId, these)
+                };
                 log.counters.add("triangles drawn for lights", drawn);
             }
         });
@@ -137,7 +146,8 @@ impl ShadowStage {
     ) {
         log.holds_all = light.holds_all;
         if first == FirstMaps::Missing {
-            self.draw_maps(drawing, scene.prepared, &light.plan.first_maps(), log);
+            let (maps, searched) = (light.plan.first_maps(), light.method == Method::Search);
+            self.draw_maps(drawing, scene.prepared, &maps, searched, log);
         }
         match &light.plan {
             Plan::Middle(views) => {
@@ -150,7 +160,7 @@ impl ShadowStage {
                 sample.resize(out.len(), 0.0);
                 for (index, views) in samples.iter().enumerate() {
                     if index > 0 {
-                        self.draw_maps(drawing, scene.prepared, &[views], log);
+                        self.draw_maps(drawing, scene.prepared, &[views], false, log);
                     }
                     self.by_faces(&scene.camera, light, views, log, &mut sample);
                     timed(&mut log.times.shadow, || {
@@ -167,7 +177,7 @@ impl ShadowStage {
                 sum.resize(out.len(), 0.0);
                 for (index, (weight, line)) in lines.iter().enumerate() {
                     if index > 0 {
-                        self.draw_maps(drawing, scene.prepared, &views_of(line), log);
+                        self.draw_maps(drawing, scene.prepared, &views_of(line), false, log);
                     }
                     match light.method {
                         Method::Skins => self.by_skins(&scene.camera, line, log, out),
@@ -204,7 +214,7 @@ impl ShadowStage {
     ) {
         let maps = std::mem::take(&mut self.maps);
         if let ([view], [map]) = (views, &maps[..]) {
-            self.by_map(camera, light, view, &map.as_depth_map(), log, out);
+            self.by_map(camera, light, 0, view, &map.as_depth_map(), log, out);
         } else {
             out.fill(0.0);
             let mut of_face = std::mem::take(&mut self.of_face);
@@ -220,7 +230,7 @@ impl ShadowStage {
                 let masked = masked.expect(SIZES_AGREE);
                 let masked = Camera::new(camera.view(), masked, camera.surfaces());
                 let masked = masked.expect(SIZES_AGREE);
-                self.by_map(&masked, light, view, &map.as_depth_map(), log, &mut part);
+                self.by_map(&masked, light, face, view, &map.as_depth_map(), log, &mut part);
                 // Each receiver belongs to one face; the other faces say 0.
                 timed(&mut log.times.shadow, || {
                     for (out, part) in out.iter_mut().zip(&part) {
@@ -233,18 +243,19 @@ impl ShadowStage {
         self.maps = maps;
     }
 
-    /// The visibility as the methods find it that look into one map.
+    /// The visibility as the methods find it that look into one map, that of a `face`.
     fn by_map(
         &mut self,
         camera: &Camera<'_>,
         light: &LightJob,
+        face: usize,
         view: &View,
         map: &DepthMap<'_>,
         log: &mut Log<'_>,
         out: &mut [f32],
     ) {
         if light.method == Method::Search {
-            return self.by_search(camera, &light.light.light, view, map, log, out);
+            return self.by_search(camera, &light.light.light, face, view, map, log, out);
         }
         let StageTimes { shadow, .. } = log.times;
         timed(shadow, || match light.method {
@@ -295,18 +306,15 @@ impl ShadowStage {
         &mut self,
         camera: &Camera<'_>,
         light: &Light,
+        face: usize,
         view: &View,
         map: &DepthMap<'_>,
         log: &mut Log<'_>,
         out: &mut [f32],
     ) {
-        let needed = Pyramid::storage_len(map.width(), map.height());
-        if self.pyramid.len() < needed {
-            self.pyramid.resize(needed, NodeGroup::default());
-        }
-        let (level, storage) = (self.level, &mut self.pyramid[..needed]);
+        let (level, nodes) = (self.level, &mut self.pyramids[face]);
         let pyramid = timed(&mut log.times.light_maps, || {
-            Pyramid::build(level, *map, storage, &mut []).expect("the storage is as long as asked")
+            Pyramid::finish(level, *map, nodes, &mut []).expect("the leaves are of this map")
         });
         let map = LightMap::new(view, Texels::Plain(*map)).expect(SIZES_AGREE);
         let parameters = search::Parameters::of(light).unwrap_or_default();

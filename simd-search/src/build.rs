@@ -1,4 +1,4 @@
-//! Making the pyramid: planar bounds of texels, then of nodes.
+//! Making the pyramid: planar bounds of texels, the leaves, then of nodes.
 
 use core::ops::Range;
 
@@ -70,28 +70,29 @@ impl Bounds {
     }
 }
 
-/// Makes the part of the pyramid that depends on the given texels.
+/// The groups of a level whose texels are among the given ones: their columns and rows.
+fn groups(level: usize, columns: &Range<u32>, rows: &Range<u32>) -> [Range<u32>; 2] {
+    let [width, height] = Layout::node_size(level).map(|size| size * u64::from(FAN));
+    let count = |range: &Range<u32>, size: u64| {
+        (u64::from(range.start) / size) as u32..u64::from(range.end).div_ceil(size) as u32
+    };
+    [count(columns, width), count(rows, height)]
+}
+
+/// Makes the leaves of a map that depend on the given texels.
 #[inline(always)]
-pub(crate) fn build(
+pub(crate) fn build_leaves(
     ops: &impl Ops,
     map: Map<'_>,
-    layout: &Layout,
     nodes: &mut [NodeGroup],
     ids: &mut [IdGroup],
     columns: Range<u32>,
     rows: Range<u32>,
 ) {
-    let groups = |level: usize| {
-        let [width, height] = Layout::node_size(level).map(|size| size * u64::from(FAN));
-        let count = |range: &Range<u32>, size: u64| {
-            (u64::from(range.start) / size) as u32..u64::from(range.end).div_ceil(size) as u32
-        };
-        (count(&columns, width), count(&rows, height))
-    };
-    let (xs, ys) = groups(0);
+    let [xs, ys] = groups(0, &columns, &rows);
     let mut unpacked = [[0.0; SIDE_BY_SIDE * COLUMNS]; ROWS];
     for y in ys {
-        let first = layout.levels[0].columns as usize * y as usize;
+        let first = Layout::columns(map.width()) as usize * y as usize;
         // Along whole rows of leaves, which memory likes better than group after group.
         for row in 0..FAN as usize {
             for x in xs.clone() {
@@ -107,8 +108,19 @@ pub(crate) fn build(
             }
         }
     }
+}
+
+/// Makes the nodes above the leaves that depend on the given texels.
+#[inline(always)]
+pub(crate) fn build_upper(
+    layout: &Layout,
+    nodes: &mut [NodeGroup],
+    ids: &mut [IdGroup],
+    columns: Range<u32>,
+    rows: Range<u32>,
+) {
     for level in 1..layout.count {
-        let (xs, ys) = groups(level);
+        let [xs, ys] = groups(level, &columns, &rows);
         let first = layout.levels[level].first;
         let (lower, upper) = nodes.split_at_mut(first);
         for y in ys {

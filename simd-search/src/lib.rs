@@ -95,6 +95,7 @@
 #![deny(unsafe_code)]
 // Lanes are numbered: what a loop does to several arrays at once, a vector does.
 #![allow(clippy::needless_range_loop)]
+mod bands;
 mod batch;
 mod build;
 mod candidates;
@@ -118,6 +119,7 @@ mod walk;
 use kernels::{Job, run};
 use shadowmap_core::Level;
 
+pub use bands::LeafBands;
 pub use classify::Verdict;
 pub use map::Map;
 pub use pyramid::{IdGroup, NodeGroup, Pyramid, StorageError};

@@ -74,7 +74,7 @@ impl Layout {
     pub fn new(width: u32, height: u32) -> Layout {
         let mut levels = [LevelShape::default(); MAX_LEVELS];
         let (mut count, mut groups) = (0, 0);
-        let mut columns = width.div_ceil(LEAF_WIDTH * FAN);
+        let mut columns = Layout::columns(width);
         let mut rows = height.div_ceil(LEAF_HEIGHT * FAN);
         if columns > 0 && rows > 0 {
             loop {
@@ -88,6 +88,26 @@ impl Layout {
             }
         }
         Layout { width, height, levels, count, groups }
+    }
+
+    /// Groups of leaves side by side in a map of that width.
+    #[inline(always)]
+    pub fn columns(width: u32) -> u32 {
+        width.div_ceil(LEAF_WIDTH * FAN)
+    }
+
+    /// Groups of leaves, which come first in the storage.
+    pub fn leaves(&self) -> usize {
+        self.levels[0].columns as usize * self.levels[0].rows as usize
+    }
+
+    /// Checks the length of storage.
+    pub fn check(&self, nodes: &[NodeGroup], ids: &[IdGroup]) -> Result<(), StorageError> {
+        let check = |what, found, expected| {
+            if found == expected { Ok(()) } else { Err(StorageError { what, found, expected }) }
+        };
+        check("nodes", nodes.len(), self.groups)?;
+        if ids.is_empty() { Ok(()) } else { check("ids", ids.len(), self.groups) }
     }
 
     /// Where group (x, y) of a level is stored; `None` outside the map.
@@ -172,26 +192,53 @@ impl<'a> Pyramid<'a> {
     ) -> Result<Pyramid<'a>, StorageError> {
         let map = map.into();
         let layout = Layout::new(map.width(), map.height());
-        check("nodes", nodes.len(), layout.groups)?;
-        if !ids.is_empty() {
-            check("ids", ids.len(), layout.groups)?;
-        }
+        layout.check(nodes, ids)?;
         let columns = columns.start..columns.end.min(map.width());
         let rows = rows.start..rows.end.min(map.height());
         if !columns.is_empty() && !rows.is_empty() {
+            let [leaves, leaf_ids] = [layout.leaves(), layout.leaves().min(ids.len())];
+            let (nodes, ids) = (&mut nodes[..leaves], &mut ids[..leaf_ids]);
             run(
                 level,
-                Job::Build {
-                    map,
-                    layout: &layout,
-                    nodes: &mut *nodes,
-                    ids: &mut *ids,
-                    columns,
-                    rows,
-                },
+                Job::Leaves { map, nodes, ids, columns: columns.clone(), rows: rows.clone() },
             );
         }
-        Ok(Pyramid { layout, nodes, ids, id_mask: map.id_mask() })
+        Ok(Pyramid::upon_leaves(level, map, layout, nodes, ids, columns, rows))
+    }
+
+    /// The pyramid of `map`, from leaves that were built band by band ([`LeafBands`]).
+    ///
+    /// # Errors
+    ///
+    /// As [`Pyramid::build`].
+    pub fn finish<'m>(
+        level: Level,
+        map: impl Into<Map<'m>>,
+        nodes: &'a mut [NodeGroup],
+        ids: &'a mut [IdGroup],
+    ) -> Result<Pyramid<'a>, StorageError> {
+        let map = map.into();
+        let (width, height) = (map.width(), map.height());
+        let layout = Layout::new(width, height);
+        layout.check(nodes, ids)?;
+        Ok(Pyramid::upon_leaves(level, map, layout, nodes, ids, 0..width, 0..height))
+    }
+
+    /// The pyramid, with the nodes above the leaves made anew that depend on the given texels.
+    fn upon_leaves(
+        level: Level,
+        map: Map<'_>,
+        layout: Layout,
+        nodes: &'a mut [NodeGroup],
+        ids: &'a mut [IdGroup],
+        columns: Range<u32>,
+        rows: Range<u32>,
+    ) -> Pyramid<'a> {
+        if !columns.is_empty() && !rows.is_empty() {
+            let (nodes, ids) = (&mut *nodes, &mut *ids);
+            run(level, Job::Upper { layout: &layout, nodes, ids, columns, rows });
+        }
+        Pyramid { layout, nodes, ids, id_mask: map.id_mask() }
     }
 
     /// Texels of a leaf, along a row and down.
@@ -233,7 +280,3 @@ impl fmt::Display for StorageError {
 }
 
 impl core::error::Error for StorageError {}
-
-fn check(what: &'static str, found: usize, expected: usize) -> Result<(), StorageError> {
-    if found == expected { Ok(()) } else { Err(StorageError { what, found, expected }) }
-}

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{KINDS, Random, say_levels, storage, texels};
-use shadowmap_core::{DepthMap, Level, LightPoint};
-use simd_search::{NodeGroup, Pyramid, Query};
+use shadowmap_core::{Bands, DepthMap, Level, LightPoint, Threads, for_each_band};
+use simd_search::{LeafBands, NodeGroup, Pyramid, Query};
 
 /// The storage after an update is that of a new pyramid, which is the same at every level.
 #[test]
@@ -42,6 +42,51 @@ fn an_update_equals_a_new_pyramid() {
             assert!(ids == fresh_ids, "seed {seed}, build at {}", level.kind().name());
         }
     }
+}
+
+/// Leaves that are built band by band, from maps of the bands alone, make the same pyramid.
+#[test]
+fn bands_make_the_same_pyramid() {
+    say_levels("bands");
+    for seed in 0..60 {
+        let mut random = Random(seed);
+        let (width, height) = (random.below(200), random.below(300));
+        let texels = texels(seed as u32 % KINDS, width, height, &mut random);
+        let map = texels.map();
+        let (mut nodes, mut ids) = storage(width, height);
+        Pyramid::build(Level::SCALAR, map, &mut nodes, &mut ids).unwrap();
+        let rows = LeafBands::ROWS * (1 + random.below(4));
+        for level in Level::available() {
+            let (mut found_nodes, mut found_ids) = storage(width, height);
+            if random.below(2) == 0 {
+                found_ids.clear();
+            }
+            let bands = LeafBands::new(width, height, rows, &mut found_nodes, &mut found_ids);
+            let bands = bands.unwrap();
+            assert_eq!(bands.count(), if width > 0 { height.div_ceil(rows) as usize } else { 0 });
+            for_each_band(Threads::One, bands, &|index, band| {
+                let first = index as u32 * rows;
+                let rows = rows.min(height - first);
+                let texels = (first * width) as usize..((first + rows) * width) as usize;
+                let ids = map.ids().get(texels.clone()).unwrap_or_default();
+                let part = DepthMap::new(width, rows, &map.nearness()[texels], ids).unwrap();
+                band.build(level, part);
+            });
+            Pyramid::finish(level, map, &mut found_nodes, &mut found_ids).unwrap();
+            let name = level.kind().name();
+            assert!(found_nodes == nodes, "seed {seed}, {rows} rows at {name}");
+            assert!(found_ids.is_empty() || found_ids == ids, "seed {seed}, {rows} rows at {name}");
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "the rows of the band")]
+fn a_band_of_other_rows_is_refused() {
+    let texels = [0.0; 64 * 64];
+    let mut nodes = vec![NodeGroup::default(); Pyramid::storage_len(64, 96)];
+    let bands = LeafBands::new(64, 96, LeafBands::ROWS, &mut nodes, &mut []).unwrap();
+    bands.build(Level::SCALAR, DepthMap::new(64, 64, &texels, &[]).unwrap());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use core::ops::Range;
 use shadowmap_core::Level;
 
 use crate::batch::each_in_pyramid;
-use crate::build::{Ranges, Slopes, WideRow, build};
+use crate::build::{Ranges, Slopes, WideRow, build_leaves, build_upper};
 use crate::classify::{Verdict, classify};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
 use crate::map::{ROWS, Row};
@@ -158,8 +158,16 @@ pub(crate) enum Job<'a> {
         ids: IdTest,
         verdict: &'a mut Verdict,
     },
-    Build {
+    /// The leaves that depend on the texels of `columns` and `rows`...
+    Leaves {
         map: Map<'a>,
+        nodes: &'a mut [NodeGroup],
+        ids: &'a mut [IdGroup],
+        columns: Range<u32>,
+        rows: Range<u32>,
+    },
+    /// ...and the nodes above them.
+    Upper {
         layout: &'a Layout,
         nodes: &'a mut [NodeGroup],
         ids: &'a mut [IdGroup],
@@ -183,8 +191,11 @@ impl Job<'_> {
             Job::Classify { pyramid, reach, ids, verdict } => {
                 *verdict = classify(ops, pyramid, reach, ids);
             }
-            Job::Build { map, layout, nodes, ids, columns, rows } => {
-                build(ops, map, layout, nodes, ids, columns, rows);
+            Job::Leaves { map, nodes, ids, columns, rows } => {
+                build_leaves(ops, map, nodes, ids, columns, rows);
+            }
+            Job::Upper { layout, nodes, ids, columns, rows } => {
+                build_upper(layout, nodes, ids, columns, rows);
             }
         }
     }

@@ -12,7 +12,7 @@ use renderer::scene::Scene;
 use shadowmap_core::{
     Bias, DepthMap, HardShadow, Level, Light, LightPoint, Threads, View, hard_shadow,
 };
-use simd_search::{Hit, NodeGroup, Pyramid, Query, Side, Visits, naive, nearest};
+use simd_search::{Hit, LeafBands, NodeGroup, Pyramid, Query, Side, Visits, naive, nearest};
 
 use super::{Bench, Case, Group, Variant};
 
@@ -331,18 +331,19 @@ fn radius_of(radius: u32) -> (&'static str, f64) {
     ("radius, texels", f64::from(radius))
 }
 
-/// Making the pyramid, and bringing a part of it up to date, against drawing the map.
+/// Making the pyramid, after the map or while it is drawn, and bringing a part of it up to date,
+/// against drawing the map.
 fn build(bench: &mut Bench, name: &str, scene: &Scene, view: &View, map: DepthMap<'_>) {
     let (width, height) = (map.width(), map.height());
     let mesh = scene.mesh.as_mesh();
-    let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
-    let mut drawn = DepthBuffer::new(width, height);
-    rasterizer.draw(view, &mesh, Payload::ObjectId, drawn.target());
-    assert!(drawn.nearness == map.nearness(), "{name}: the map is drawn differently again");
     let level = Level::detect();
+    let [mut alone, mut with_leaves] = [(); 2].map(|()| Rasterizer::new(level, Threads::One));
+    let [mut drawn, mut copy] = [(); 2].map(|()| DepthBuffer::new(width, height));
+    alone.draw(view, &mesh, Payload::ObjectId, drawn.target());
+    assert!(drawn.nearness == map.nearness(), "{name}: the map is drawn differently again");
     let mut storage =
-        [(); 3].map(|()| vec![NodeGroup::default(); Pyramid::storage_len(width, height)]);
-    let [expected, whole, part] = &mut storage;
+        [(); 4].map(|()| vec![NodeGroup::default(); Pyramid::storage_len(width, height)]);
+    let [expected, whole, part, banded] = &mut storage;
     Pyramid::build(Level::SCALAR, map, expected, &mut []).expect("as long as asked");
     let build = |nodes: &mut [NodeGroup]| {
         Pyramid::build(level, map, nodes, &mut []).expect("as long as asked");
@@ -352,10 +353,21 @@ fn build(bench: &mut Bench, name: &str, scene: &Scene, view: &View, map: DepthMa
         let pyramid = Pyramid::update(level, map, nodes, &mut [], texels.clone(), texels);
         pyramid.expect("as long as asked");
     };
+    let mut draw_with = |nodes: &mut [NodeGroup]| {
+        let (rows, payload) = (LeafBands::ROWS, Payload::ObjectId);
+        let leaves = LeafBands::new(width, height, rows, nodes, &mut []).expect("as long as asked");
+        let (views, targets) = (std::slice::from_ref(view), &mut [copy.target()]);
+        let build = |band: DepthMap<'_>, leaves: LeafBands<'_>| leaves.build(level, band);
+        with_leaves.draw_in_bands(views, &mesh, None, payload, targets, rows, [leaves], &build);
+        Pyramid::finish(level, copy.as_depth_map(), nodes, &mut []).expect("as long as asked");
+    };
     build(whole);
     build(part);
     update(part);
-    assert!(whole == expected && part == expected, "{name}: the pyramid differs from plain Rust's");
+    draw_with(banded);
+    for (made, how) in [(&whole, "built"), (&part, "updated"), (&banded, "made while drawing")] {
+        assert!(made == &expected, "{name}: the pyramid {how} differs from plain Rust's");
+    }
     let texels = f64::from(width) * f64::from(height);
     let bytes = 4.0 * texels + size_of_val(&whole[..]) as f64;
     bench.compare(Group {
@@ -364,8 +376,9 @@ fn build(bench: &mut Bench, name: &str, scene: &Scene, view: &View, map: DepthMa
         work: Some((texels, "texels")),
         variants: vec![
             Variant::new("draw the map", || {
-                rasterizer.draw(view, &mesh, Payload::ObjectId, drawn.target());
+                alone.draw(view, &mesh, Payload::ObjectId, drawn.target());
             }),
+            Variant::new("draw the map with its pyramid", || draw_with(banded)),
             Variant::new("build", || build(whole)).moving(bytes),
             Variant::new("update 64 x 64 texels", || update(part)),
         ],
