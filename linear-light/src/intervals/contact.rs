@@ -66,8 +66,8 @@ impl Ground<'_> {
     /// The end of a run at texel `x` of `row`: the right one if `sign` is 1, the left one if it is
     /// -1. `inner` is the texel before, or `x` itself if the run has but one.
     ///
-    /// The surface goes on as it has come, by [`REACH`], or until it meets the plane. If it does so
-    /// within a texel, the blocker stands on the plane.
+    /// The surface goes on as it has come, by [`REACH`], or until it meets the plane. If its next
+    /// texel is too close to the plane to block, the blocker stands on the plane.
     #[inline(always)]
     pub fn end(&self, row: &[f32], x: usize, inner: usize, sign: f32) -> End {
         let [a, _, c, _] = self.plane;
@@ -76,7 +76,8 @@ impl Ground<'_> {
         let fall = -(sign * a + c * slope);
         if inner != x && fall > 0.0 {
             let front = self.front(x, self.y);
-            let contact = if front < fall { Some(self.contact(x, inner, sign)) } else { None };
+            let contact =
+                if front - fall < self.bias { Some(self.contact(x, inner, sign)) } else { None };
             let reach = if front < REACH * fall { front / fall } else { REACH };
             let vertex = Vertex { column: column + sign * reach, nearness: w + slope * reach };
             return End { vertex, contact };

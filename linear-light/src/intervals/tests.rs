@@ -224,10 +224,11 @@ fn every_way_equals_the_naive_one() {
             }
             let mean = sum / expected.len() as f32;
             println!("{count} samples: mean difference {mean:.6}, worst {worst:.4}");
-            // Planes derived from depth differ between the pixels of a group.
+            // Planes derived from depth differ between the pixels of a group, and so, slightly, do
+            // tolerances: whether a blocker stands on the plane may hang on them.
             let limits = match surfaces {
                 Surfaces::FromDepth => [3e-3, 1.0],
-                _ => [1e-4, 0.1],
+                _ => [1e-4, 0.15],
             };
             assert!(mean < limits[0] && worst <= limits[1], "mean {mean}, worst {worst}");
             for level in Level::available() {

@@ -43,6 +43,7 @@ fn a_receiver_at_the_foot_of_a_box_sees_what_is_in_front_of_it() {
         let maps = FrustumMaps { views, samples: &samples };
         let out = visibility(Level::detect(), Threads::One, &camera, maps);
         let (mut ground, mut worst) = (0, 0.0_f32);
+        let (mut front, mut worst_of_front) = (0, 0.0_f32);
         for (i, &v) in out.iter().enumerate() {
             let (x, y) = ((i % 80) as f32 + 0.5, (i / 80) as f32 + 0.5);
             let p = view.world_from_texel(x, y, camera_map[0].nearness[i]);
@@ -50,9 +51,15 @@ fn a_receiver_at_the_foot_of_a_box_sees_what_is_in_front_of_it() {
             if p.y.abs() < 1e-4 && distance > 2e-3 {
                 worst = worst.max((v - beside_box_on_paper(distance, yaw)).abs());
                 ground += 1;
+            } else if distance.abs() < 1e-4 && p.y > 2e-3 {
+                // The front sees the half of the light that is before it, down to the ground.
+                worst_of_front = worst_of_front.max((v - 0.5).abs());
+                front += 1;
             }
         }
         println!("turned by {yaw}: {ground} pixels, off by {worst:.3} at most");
         assert!(ground > 1000 && worst < 0.1, "{ground} pixels, off by {worst}");
+        println!("    its front: {front} pixels, off by {worst_of_front:.3} at most");
+        assert!(front > 1000 && worst_of_front < 0.02, "{front} pixels, off by {worst_of_front}");
     }
 }
