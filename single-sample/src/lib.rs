@@ -23,8 +23,9 @@
 //! * Not only the nearest point of the shadow's edge counts but all of it within reach: corners,
 //!   curves, thin blockers and overlapping penumbrae need no cases of their own, and there is no
 //!   ring and no step where the nearest blocker changes.
-//! * Texels are compared with the receiver's tangent plane instead of object IDs. Objects shadow
-//!   themselves softly, without acne.
+//! * Texels are compared with the receiver's tangent plane instead of object IDs, and close to the
+//!   receiver it with theirs. Objects shadow themselves softly, without acne, and shadows are right
+//!   up to the feet of what stands on the ground.
 //! * What the receiver's own horizon hides is exact.
 //!
 //! Error against ray tracing with 4096 rays (penumbra RMSE; camera 512², map 1024²; scenes of the
@@ -35,7 +36,7 @@
 //! | one rectangle, 0.5 m | 0.006 | 0.14 |
 //! | torus, 0.5 m | 0.008 | 0.17 |
 //! | torus, 0.1 m | 0.019 | 0.27 |
-//! | 21 objects, 0.5 m | 0.021 | 0.27 |
+//! | 21 objects, 0.5 m | 0.016 | 0.27 |
 //!
 //! Everything is plain slices: whoever has depth maps from elsewhere describes them with a
 //! [`View`](shadowmap_core::View) each and needs no rasterizer of ours. Nothing is allocated.

@@ -171,14 +171,16 @@ impl Disputed {
             .map(move |cell| [x + cell * CELL as i32, y])
     }
 
-    /// In which leaves of a group of lanes something may block a receiver: of leaf i, bit i.
+    /// In which leaves of a group of lanes something may block a receiver, and in which something
+    /// may be so close to it that it is no more than `contact` nearer: of leaf i, bit i.
     #[inline(always)]
-    pub fn blocking(&self, group: usize, r: &Receiver, seen: &Seen) -> u32 {
+    pub fn blocking(&self, group: usize, r: &Receiver, seen: &Seen, contact: f32) -> [u32; 2] {
         let lanes = |values: &'_ [f32; CAPACITY]| -> [f32; LANES] { values.as_chunks().0[group] };
         let (x, y, low, high) =
             (lanes(&self.x), lanes(&self.y), lanes(&self.low), lanes(&self.high));
         let (slope_x, slope_y) = (lanes(&self.slope_x), lanes(&self.slope_y));
-        let mut found = 0;
+        let close_to = contact + (contact + r.nearness.abs()) * ROUNDING;
+        let (mut found, mut close) = (0, 0);
         for i in 0..LANES {
             let apart = |from: f32, to: f32, half: f32| {
                 let apart = (from - to).abs() - half;
@@ -197,7 +199,8 @@ impl Disputed {
             // False for NaN.
             let is_below = greatest <= r.above;
             found |= u32::from(is_near & !is_below) << i;
+            close |= u32::from((low[i] - steep) - r.nearness <= close_to) << i;
         }
-        found
+        [found, close]
     }
 }

@@ -2,6 +2,8 @@
 
 use shadowmap_core::View;
 
+use super::facing::contact;
+use super::geometry::Geometry;
 use crate::LightMap;
 
 /// Columns of texels that are tested at a time.
@@ -72,12 +74,15 @@ pub(crate) struct Field<'a, T> {
     pub texels: &'a [T],
     pub width: i32,
     pub height: i32,
+    /// How much nearer than a receiver blockers are at most that are close to it.
+    pub contact: f32,
 }
 
 impl<'a, T: Texel> Field<'a, T> {
     /// The texels of a map of `light`.
-    pub fn new(light: &LightMap<'_>, texels: &'a [T]) -> Self {
-        Field { texels, width: light.view().width() as i32, height: light.view().height() as i32 }
+    pub fn new(light: &LightMap<'_>, texels: &'a [T], geometry: &Geometry) -> Self {
+        let [width, height] = [light.view().width(), light.view().height()].map(|size| size as i32);
+        Field { texels, width, height, contact: contact(geometry.spread) }
     }
 
     /// Nearness of texel (x, y); NaN outside the map.
@@ -98,11 +103,7 @@ impl<'a, T: Texel> Field<'a, T> {
         const ROWS: i32 = BLOCK_ROWS as i32;
         let first = [x as f32 + 0.5, y as f32 + 0.5];
         if x < 0 || y < 0 || x > self.width - COLUMNS || y > self.height - ROWS {
-            for (row, y) in room.iter_mut().zip(y..) {
-                for (nearness, x) in row.iter_mut().zip(x..) {
-                    *nearness = self.nearness(x, y);
-                }
-            }
+            self.copy([x, y], room);
             return Block { first, rows: room.each_ref() };
         }
         let mut start = y as usize * self.width as usize + x as usize;
@@ -113,5 +114,32 @@ impl<'a, T: Texel> Field<'a, T> {
             start += self.width as usize;
         }
         Block { first, rows }
+    }
+
+    /// Copies the texels from `first` on; NaN outside the map.
+    #[inline(always)]
+    pub fn copy<const COLUMNS: usize, const ROWS: usize>(
+        &self,
+        [left, top]: [i32; 2],
+        out: &mut [[f32; COLUMNS]; ROWS],
+    ) {
+        let (columns, rows) = (COLUMNS as i32, ROWS as i32);
+        if left < 0 || top < 0 || left > self.width - columns || top > self.height - rows {
+            for (row, y) in out.iter_mut().zip(top..) {
+                for (nearness, x) in row.iter_mut().zip(left..) {
+                    *nearness = self.nearness(x, y);
+                }
+            }
+            return;
+        }
+        let mut start = top as usize * self.width as usize + left as usize;
+        for row in out {
+            let texels: &[T; COLUMNS] =
+                self.texels[start..].first_chunk().expect("they lie in the map");
+            for x in 0..COLUMNS {
+                row[x] = texels[x].nearness();
+            }
+            start += self.width as usize;
+        }
     }
 }

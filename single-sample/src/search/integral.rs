@@ -127,7 +127,7 @@ pub(crate) fn hides_center<T: Texel>(
     let Receiver { u, v, .. } = *receiver;
     let [x, y] = cell_of(u, v);
     let corner = [x as f32 + 0.5, y as f32 + 0.5];
-    let mut hidden = receiver.is_blocked_by(corner[0], corner[1], field.nearness(x, y));
+    let mut hidden = field.blocks([x, y], receiver);
     for segment in cell {
         let segment = segments.get(segment);
         let Segment { from, to } = &segment;

@@ -3,10 +3,11 @@
 use simd_search::{NodeGroup, Pyramid};
 
 use super::cell::{CELL, SAME_LAYER};
+use super::facing::contact;
 use super::geometry::Geometry;
 use super::kernels::{Ops, Work};
 use super::outline::Places;
-use super::planes::Planes;
+use super::planes::{Planes, ROUNDING};
 use super::reach::Extent;
 
 const WIDTH: i32 = Pyramid::LEAF[0] as i32;
@@ -54,6 +55,8 @@ pub(crate) struct LeafTest {
     most: f32,
     /// The size of the map.
     size: [f32; 2],
+    /// How much nearer than a receiver blockers are at most that are close to it.
+    close: f32,
 }
 
 impl LeafTest {
@@ -61,6 +64,7 @@ impl LeafTest {
     #[inline(always)]
     pub fn new(g: &Geometry, extent: &Extent, planes: &Planes, size: [i32; 2]) -> LeafTest {
         let spread = g.spread[0].max(g.spread[1]) * g.greatest_stretch(extent);
+        let contact = contact(g.spread);
         LeafTest {
             u: extent.u,
             v: extent.v,
@@ -69,15 +73,16 @@ impl LeafTest {
             planes: *planes,
             most: extent.nearness[1],
             size: [size[0] as f32, size[1] as f32],
+            close: contact + (contact + extent.nearness[1].abs()) * ROUNDING,
         }
     }
 
-    /// Which leaves of a group may hold blockers, in which all texels block all receivers, and
-    /// which are likely to hold any that block all: of leaf i, bit i. `first` is the centre of the
-    /// group's first texel.
+    /// Which leaves of a group may hold blockers, in which all texels block all receivers, which are
+    /// likely to hold any that block all, and which may hold blockers that are close to receivers: of
+    /// leaf i, bit i. `first` is the centre of the group's first texel.
     #[inline(always)]
-    fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 3] {
-        let (mut found, mut covered, mut plain) = (0, 0, 0);
+    fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 4] {
+        let (mut found, mut covered, mut plain, mut close) = (0, 0, 0, 0);
         for i in 0..LANES {
             let (x, y) = (first[0] + CELLS[0][i], first[1] + CELLS[1][i]);
             let slope = [nodes.slope_x[i], nodes.slope_y[i]];
@@ -92,19 +97,23 @@ impl LeafTest {
                 p.hn[1] * ((if p.hn[1] > 0.0 { nodes.high[i] } else { nodes.low[i] }) - p.nearness);
             let tilt = Self::tilt(slope.map(|slope| slope * p.hn[1]), [u[1].slope, v[1].slope]);
             let is_above = (most + (u[1].middle + v[1].middle)) + tilt > p.above[0];
-            found |= u32::from(is_near & is_above) << i;
             let is_inside = (x + Self::LAST[0] < self.size[0]) & (y + Self::LAST[1] < self.size[1]);
+            found |= u32::from(is_near & is_above) << i;
             let ends = [nodes.low[i], nodes.high[i]];
             let [least, most] = if p.hn[0] > 0.0 { ends } else { [ends[1], ends[0]] };
             let at =
                 |nearness: f32| p.hn[0] * (nearness - p.nearness) + (u[0].middle + v[0].middle);
             let tilt = Self::tilt(slope.map(|slope| slope * p.hn[0]), [u[0].slope, v[0].slope]);
             let is_surely_above = at(least) - tilt > p.above[1];
-            let is_surely_nearer = nodes.low[i] - Self::tilt(slope, [0.0; 2]) > self.most;
+            let nearer = (nodes.low[i] - Self::tilt(slope, [0.0; 2])) - self.most;
+            let is_surely_nearer = nearer > 0.0;
+            close |= u32::from((nearer <= self.close) & is_above) << i;
             plain |= u32::from(at(most) + tilt > p.above[1]) << i;
             covered |= u32::from(is_inside & is_surely_above & is_surely_nearer) << i;
         }
-        [found, covered, plain]
+        // Some of its texels may face receivers.
+        covered &= !close;
+        [found, covered, plain, close]
     }
 
     /// From the first texel of a leaf to its last.
@@ -192,12 +201,21 @@ pub(crate) struct Leaves {
     covered: [u64; SIDE],
     /// The same for leaves that are likely to hold what blocks all receivers.
     plain: [u64; SIDE],
+    /// The same for leaves that touch texels that may be close to receivers.
+    close: [u64; SIDE],
     count: usize,
 }
 
 impl Leaves {
     pub const fn new() -> Leaves {
-        Leaves { first: [0; 2], rows: [0; SIDE], covered: [0; SIDE], plain: [0; SIDE], count: 0 }
+        Leaves {
+            first: [0; 2],
+            rows: [0; SIDE],
+            covered: [0; SIDE],
+            plain: [0; SIDE],
+            close: [0; SIDE],
+            count: 0,
+        }
     }
 
     /// Finds the leaves of `places`, no more than [`MOST_PLACES`], that may hold blockers of some of
@@ -213,7 +231,7 @@ impl Leaves {
         self.count = 0;
         let mut any = 0;
         for y in rows {
-            let mut found = [[0_u64; 3]; GROUP as usize];
+            let mut found = [[0_u64; 4]; GROUP as usize];
             for x in columns.clone() {
                 let Some(nodes) =
                     (x >= 0 && y >= 0).then(|| pyramid.leaves(x as u32, y as u32)).flatten()
@@ -229,11 +247,12 @@ impl Leaves {
                     }
                 }
             }
-            for [found, covered, plain] in found {
+            for [found, covered, plain, close] in found {
                 any |= found;
                 self.rows[self.count] = found;
                 self.covered[self.count] = covered;
                 self.plain[self.count] = plain;
+                self.close[self.count] = close;
                 self.count += 1;
             }
         }
@@ -243,8 +262,10 @@ impl Leaves {
             let any = self.rows[y] | below(&self.rows);
             let all = self.covered[y] & below(&self.covered);
             let plain = self.plain[y] | below(&self.plain);
+            let close = self.close[y] | below(&self.close);
             self.rows[y] = (any | any >> 1) & !(all & all >> 1);
             self.plain[y] = plain | plain >> 1;
+            self.close[y] = close | close >> 1;
         }
         any != 0
     }
@@ -267,6 +288,14 @@ impl Leaves {
                 }
             }
         }
+    }
+
+    /// Whether a block with its first texel at (x, y) may hold texels that are close to receivers.
+    #[inline(always)]
+    pub fn are_close(&self, [x, y]: [i32; 2]) -> bool {
+        let column = x.div_euclid(WIDTH) - self.first[0];
+        let row = (y.div_euclid(HEIGHT) - self.first[1]) as usize;
+        self.close[row] >> column & 1 == 1
     }
 
     /// Boxes that hold all of `places` where there may be an outline, each at most `most` columns

@@ -13,7 +13,9 @@
 //!    (section 6), for every blocker on its own.
 //! 2. A texel blocks if it is above the receiver's tangent plane and nearer to the light. No
 //!    object IDs: an object shadows itself where its geometry does, and a convex surface, whose
-//!    neighbourhood lies below its tangent planes, never.
+//!    neighbourhood lies below its tangent planes, never. A texel about as far from the light as
+//!    the receiver blocks only if the receiver is behind the texel's own plane, too: a wall hides
+//!    nothing of the ground on its lit side, nor the ground the wall's foot.
 //! 3. Cell by cell of 8 x 8 texels, the outline of the blocking texels becomes one or two straight
 //!    segments where it is simple, and the pieces of marching squares where it is not. Each
 //!    contributes the integral of `1 - rho²` over the angle that its part within the disc spans.
@@ -36,6 +38,7 @@
 mod adaptive;
 mod cell;
 mod disputed;
+mod facing;
 mod field;
 mod geometry;
 mod groups;
@@ -155,11 +158,17 @@ pub fn naive(
     match light.texels() {
         Texels::Plain(map) => {
             let geometry = geometry::<f32>(camera, light, parameters);
-            naive::visibility(camera, &Field::new(light, map.nearness()), &geometry, x, y)
+            naive::visibility(
+                camera,
+                &Field::new(light, map.nearness(), &geometry),
+                &geometry,
+                x,
+                y,
+            )
         }
         Texels::Packed(map) => {
             let geometry = geometry::<u32>(camera, light, parameters);
-            naive::visibility(camera, &Field::new(light, map.texels()), &geometry, x, y)
+            naive::visibility(camera, &Field::new(light, map.texels(), &geometry), &geometry, x, y)
         }
     }
 }
@@ -188,12 +197,13 @@ fn run<T: Texel, V: Visibility>(
     if out.is_empty() {
         return Counters::default();
     }
+    let geometry = geometry::<T>(camera, light, parameters);
     let scene = Scene {
         level,
         camera: *camera,
-        field: Field::new(light, texels),
+        field: Field::new(light, texels, &geometry),
         pyramid: *pyramid,
-        geometry: geometry::<T>(camera, light, parameters),
+        geometry,
         greatest: pyramid.greatest(0..width, 0..height),
         group: parameters.group.clamp(1, TILE as u32 - 1) as usize,
         tolerance: parameters.tolerance,

@@ -63,9 +63,7 @@ fn bits<T: Texel>(field: &Field<'_, T>, receiver: &Receiver, [column, row]: [i32
     let mut bits = [0; CELL + 1];
     for (y, bits) in (row..).zip(&mut bits) {
         for (i, x) in (column..).take(CELL + 1).enumerate() {
-            let nearness = field.nearness(x, y);
-            let blocks = receiver.is_blocked_by(x as f32 + 0.5, y as f32 + 0.5, nearness);
-            *bits |= u16::from(blocks) << i;
+            *bits |= u16::from(field.blocks([x, y], receiver)) << i;
         }
     }
     CellBits::new(bits)

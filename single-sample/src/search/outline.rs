@@ -1,9 +1,13 @@
 //! Which texels block, cell by cell.
 
 use super::cell::{CELL, CellBits};
-use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Texel};
+use super::facing::Surroundings;
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Block, Field, LANE, Texel};
 use super::kernels::{Bits, Ops, ROWS};
-use super::texel_test::Test;
+use super::leaves::Leaves;
+use super::planes::ROUNDING;
+use super::reach::Extent;
+use super::texel_test::{Limits, Test};
 
 /// A box of places between four texels each: place (x, y) has texel (x, y) at its upper left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +46,8 @@ impl<const TESTS: usize> Strip<TESTS> {
         ops: &impl Ops,
         field: &Field<'_, T>,
         tests: &[Test; TESTS],
+        extent: &Extent,
+        leaves: &Leaves,
         places: Places,
     ) -> Strip<TESTS> {
         let ([left, right], top) = (places.columns, places.rows[0]);
@@ -50,9 +56,8 @@ impl<const TESTS: usize> Strip<TESTS> {
         // Places reach to the texel after them.
         for (x, passing) in (left..=right).step_by(BLOCK_COLUMNS).zip(&mut passing) {
             let block = field.block(x, top, &mut room);
-            for (passing, test) in passing.iter_mut().zip(tests) {
-                *passing = ops.passing(&test.limits(block.first), &block.rows);
-            }
+            let close = leaves.are_close([x, top]).then_some(extent);
+            *passing = blocking(ops, field, [x, top], &block, tests, close);
         }
         Strip { first: [left, top], cells: (right - left) as usize / CELL, passing }
     }
@@ -94,16 +99,49 @@ fn cell_of_blocks(block: &Bits, next: &Bits, right: usize) -> CellBits {
     }
 }
 
-/// Which texels of a cell pass a test.
+/// Which texels of a cell block the receiver in `extent` that has this test.
 #[inline(always)]
 pub(crate) fn cell_bits<T: Texel>(
     ops: &impl Ops,
     field: &Field<'_, T>,
     test: &Test,
-    [x, y]: [i32; 2],
+    close: Option<&Extent>,
+    at: [i32; 2],
 ) -> CellBits {
     let mut room = [LANE; BLOCK_ROWS];
-    let block = field.block(x, y, &mut room);
-    let block = ops.passing(&test.limits(block.first), &block.rows);
+    let block = field.block(at[0], at[1], &mut room);
+    let [block] = blocking(ops, field, at, &block, &[*test], close);
     cell_of_blocks(&block, &block, 0)
+}
+
+/// Which texels of a block pass the tests and do not face the receivers, of which some may be `close`
+/// to blockers.
+#[inline(always)]
+fn blocking<T: Texel, const TESTS: usize>(
+    ops: &impl Ops,
+    field: &Field<'_, T>,
+    at: [i32; 2],
+    block: &Block<'_>,
+    tests: &[Test; TESTS],
+    close: Option<&Extent>,
+) -> [Bits; TESTS] {
+    let limits = |test: usize| tests[test].limits(block.first);
+    let mut passing = [Bits::default(); TESTS];
+    for test in 0..TESTS {
+        passing[test] = ops.passing(&limits(test), &block.rows);
+    }
+    // What passes another test passes the first.
+    if let Some(extent) = close.filter(|_| passing[0] != Bits::default()) {
+        let most = extent.nearness[1];
+        let nearness = (most + field.contact) + (most.abs() + field.contact) * ROUNDING;
+        let beyond = Limits { nearness, ..limits(0) };
+        if ops.passing(&beyond, &block.rows) != passing[0] {
+            let (texels, contact) = (&field.around(at), field.contact);
+            let rows = ops.unfaced(&Surroundings { at, texels, receivers: extent, contact });
+            for test in 0..TESTS {
+                passing[test] = ops.passing(&limits(test), &rows[test].each_ref());
+            }
+        }
+    }
+    passing
 }

@@ -176,7 +176,7 @@ impl<T: Texel> FindOutlines<'_, T> {
                 return Some(own);
             }
             for places in leaves.boxes(part, STRIP) {
-                let strip = Strip::new(ops, self.field, &tests, places);
+                let strip = Strip::new(ops, self.field, &tests, extent, leaves, places);
                 for i in 0..strip.cells() {
                     let Some((at, [some, all])) = strip.divided(i) else { continue };
                     let first = segments.len();

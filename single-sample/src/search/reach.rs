@@ -5,6 +5,7 @@ use simd_search::Pyramid;
 use super::cell::CELL;
 use super::geometry::Geometry;
 use super::outline::Places;
+use super::receiver::Receiver;
 
 /// Texels from any point of a cell to the texels of that cell, and more.
 const ROOM: f32 = CELL as f32 + 2.0;
@@ -24,6 +25,12 @@ impl Extent {
         v: [f32::INFINITY, f32::NEG_INFINITY],
         nearness: [f32::INFINITY, f32::NEG_INFINITY],
     };
+
+    /// That of one receiver.
+    #[inline(always)]
+    pub fn of(r: &Receiver) -> Extent {
+        Extent { u: [r.u; 2], v: [r.v; 2], nearness: [r.nearness; 2] }
+    }
 
     #[inline(always)]
     pub fn add(&mut self, u: f32, v: f32, nearness: f32) {

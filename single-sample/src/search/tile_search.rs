@@ -67,7 +67,7 @@ impl<T: Texel> SearchTile<'_, T> {
     #[inline(always)]
     fn set_keys(&mut self) {
         let r = self.receivers;
-        let Field { width, height, texels } = *self.field;
+        let Field { width, height, texels, .. } = *self.field;
         let mut places = [0_u32; COUNT];
         for i in 0..COUNT {
             // Casts saturate, so that the border stands for what is outside.
@@ -94,8 +94,7 @@ impl<T: Texel> SearchTile<'_, T> {
         let receiver = self.receivers.get(pixel);
         let seen = Seen::of(self.geometry, &receiver);
         if outline.is_cut || !outline.is_shared {
-            let Receiver { u, v, nearness, .. } = receiver;
-            let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
+            let extent = Extent::of(&receiver);
             let size = [self.field.width, self.field.height];
             let reach = Reach::within(self.geometry, outline.greatest, size, &extent);
             let Some(Reach { places, is_cut, .. }) = reach else { return 0.0 };
@@ -134,17 +133,19 @@ impl<T: Texel> SearchTile<'_, T> {
         seen: &Seen,
     ) -> (i32, Option<bool>) {
         let Outlines { disputed, segments, .. } = &mut *self.outlines;
-        let test = Test::of(receiver);
+        let (test, extent) = (Test::of(receiver), Extent::of(receiver));
         let cell = cell_of(receiver.u, receiver.v);
         let mut own = Own::behind(segments);
         let mut hidden = None;
         for lanes in group.disputed[0]..group.disputed[1] {
-            let mut leaves = disputed.blocking(lanes, receiver, seen);
+            let [mut leaves, close] = disputed.blocking(lanes, receiver, seen, self.field.contact);
             while leaves != 0 {
-                let leaf = lanes * LANES + leaves.trailing_zeros() as usize;
+                let lane = leaves.trailing_zeros();
+                let leaf = lanes * LANES + lane as usize;
+                let close = (close >> lane & 1 == 1).then_some(&extent);
                 leaves &= leaves - 1;
                 for at in disputed.cells(leaf) {
-                    let bits = cell_bits(ops, self.field, &test, at);
+                    let bits = cell_bits(ops, self.field, &test, close, at);
                     if is_uniform(&bits) {
                         continue;
                     }
@@ -167,8 +168,7 @@ impl<T: Texel> SearchTile<'_, T> {
         seen: &Seen,
         places: Places,
     ) -> (i32, bool) {
-        let Receiver { u, v, nearness, .. } = *receiver;
-        let extent = Extent { u: [u; 2], v: [v; 2], nearness: [nearness; 2] };
+        let extent = Extent::of(receiver);
         let leaf_test = LeafTest::new(
             self.geometry,
             &extent,
@@ -176,7 +176,7 @@ impl<T: Texel> SearchTile<'_, T> {
             [self.field.width, self.field.height],
         );
         let tests = [Test::of(receiver)];
-        let cell = cell_of(u, v);
+        let cell = cell_of(receiver.u, receiver.v);
         let Outlines { segments, leaves, .. } = &mut *self.outlines;
         let mut own = Own::behind(segments);
         let mut hidden = None;
@@ -185,7 +185,7 @@ impl<T: Texel> SearchTile<'_, T> {
                 continue;
             }
             for places in leaves.boxes(part, STRIP) {
-                let strip = Strip::new(ops, self.field, &tests, places);
+                let strip = Strip::new(ops, self.field, &tests, &extent, leaves, places);
                 for i in 0..strip.cells() {
                     let Some((at, [bits])) = strip.divided(i) else { continue };
                     let added = own.add(self.field, at, &bits, seen);

@@ -1,10 +1,11 @@
-//! The one operation that every instruction set writes by hand, and the door to them.
+//! The operations that every instruction set has functions of its own for, and the door to them.
 //!
 //! Everything else is plain Rust over arrays, which the compiler turns into the instructions of
 //! the function it is inlined into. None of it depends on the width: the bits are the same.
 
 use shadowmap_core::Level;
 
+use super::facing::Surroundings;
 use super::field::{BLOCK_ROWS, Row};
 use super::texel_test::Limits;
 
@@ -67,12 +68,24 @@ impl Bits {
 /// `#[inline(always)]`.
 pub(crate) trait Ops {
     fn passing(&self, limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits;
+
+    /// [`Surroundings::unfaced`], which is too long to be inlined.
+    fn unfaced(&self, block: &Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2];
 }
 
-impl<F: Fn(&Limits, &[&Row; BLOCK_ROWS]) -> Bits> Ops for F {
+impl<P, U> Ops for (P, U)
+where
+    P: Fn(&Limits, &[&Row; BLOCK_ROWS]) -> Bits,
+    U: Fn(&Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2],
+{
     #[inline(always)]
     fn passing(&self, limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
-        self(limits, rows)
+        self.0(limits, rows)
+    }
+
+    #[inline(always)]
+    fn unfaced(&self, block: &Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2] {
+        self.1(block)
     }
 }
 
@@ -96,7 +109,7 @@ pub(crate) fn run(level: Level, work: impl Work) {
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_feature = "sse2")]
         shadowmap_core::LevelKind::Avx512 => unsafe { avx512::run(work) },
-        _ => work.run(&plain),
+        _ => work.run(&(plain, |block: &Surroundings<'_>| block.unfaced())),
     }
 }
 

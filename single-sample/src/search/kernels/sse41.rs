@@ -8,12 +8,21 @@ use core::arch::x86_64::*;
 use bytemuck::cast;
 
 use super::{Bits, Work};
+use crate::search::facing::Surroundings;
 use crate::search::field::{BLOCK_ROWS, Row};
 use crate::search::texel_test::Limits;
 
 #[target_feature(enable = "sse4.1")]
 pub(crate) fn run(work: impl Work) {
-    work.run(&|limits: &Limits, rows: &[&Row; BLOCK_ROWS]| passing(limits, rows));
+    work.run(&(
+        |limits: &Limits, rows: &[&Row; BLOCK_ROWS]| passing(limits, rows),
+        |block: &Surroundings<'_>| unfaced(block),
+    ));
+}
+
+#[target_feature(enable = "sse4.1")]
+fn unfaced(block: &Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2] {
+    block.unfaced()
 }
 
 #[target_feature(enable = "sse4.1")]

@@ -1,0 +1,155 @@
+//! Blockers close to a receiver that face it, and hence hide nothing from it.
+//!
+//! The light's centre is in front of every surface that its map shows. A receiver that is in front
+//! of a texel's plane, too, has nothing of that plane between itself and the light. Without this
+//! test the ground would block a wall's foot, for it is nearer to the light there and above the
+//! wall's horizon, and hide the edge of any shadow that ends at the foot. Farther away the test
+//! changes nothing: a surface that faces a receiver is outside of its disc.
+//!
+//! The slopes of a texel's plane are those on the side away from the receiver, where the surface
+//! goes on; and of two there the lesser one, for the other may lead across an edge.
+
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Row, Texel};
+use super::reach::Extent;
+use super::receiver::Receiver;
+
+/// Blockers are close for which the light's disc has a radius up to this many texels.
+const CLOSE: f32 = 1.0;
+
+/// Slopes beyond this, and what is no number, count as none; no blocker that is nearer than a
+/// receiver by more is close.
+const LARGE: f32 = 1e18;
+
+/// Texels around a block that slopes follow from.
+const AROUND: usize = 2;
+
+/// How much nearer than a receiver close blockers are at most, for a disc of this radius in texels
+/// per nearness.
+pub(crate) fn contact(spread: [f32; 2]) -> f32 {
+    let contact = CLOSE / spread[0].max(spread[1]);
+    if contact < LARGE { contact } else { LARGE }
+}
+
+/// The lesser of two slopes between three texels.
+#[inline(always)]
+fn slope(first: f32, second: f32, third: f32) -> f32 {
+    let (near, far) = (second - first, third - second);
+    let slope = if near.abs() <= far.abs() { near } else { far };
+    if slope.abs() < LARGE { slope } else { 0.0 }
+}
+
+impl<T: Texel> Field<'_, T> {
+    /// Whether a texel blocks part of what a receiver could see.
+    #[inline(always)]
+    pub fn blocks(&self, [x, y]: [i32; 2], r: &Receiver) -> bool {
+        let (s, t) = (x as f32 + 0.5, y as f32 + 0.5);
+        let nearness = self.nearness(x, y);
+        r.is_blocked_by(s, t, nearness)
+            && (nearness - r.nearness > self.contact || !self.is_facing([x, y], r, nearness))
+    }
+
+    /// Whether a receiver is in front of a texel's plane.
+    fn is_facing(&self, [x, y]: [i32; 2], r: &Receiver, nearness: f32) -> bool {
+        let (dx, dy) = ((x as f32 + 0.5) - r.u, (y as f32 + 0.5) - r.v);
+        let along = |beyond: f32, at: &dyn Fn(i32) -> f32| {
+            let slope = match beyond > 0.0 {
+                true => slope(nearness, at(1), at(2)),
+                false => slope(at(-2), at(-1), nearness),
+            };
+            slope * beyond
+        };
+        let along_x = along(dx, &|step| self.nearness(x.saturating_add(step), y));
+        let along_y = along(dy, &|step| self.nearness(x, y.saturating_add(step)));
+        nearness - (along_x + along_y) <= r.nearness
+    }
+}
+
+/// A block of texels with those around it, and receivers.
+pub(crate) struct Surroundings<'a> {
+    /// The block's first texel.
+    pub at: [i32; 2],
+    pub texels: &'a Around,
+    pub receivers: &'a Extent,
+    pub contact: f32,
+}
+
+/// The texels of a block and those around it.
+pub(crate) type Around = [[f32; BLOCK_COLUMNS + 2 * AROUND]; BLOCK_ROWS + 2 * AROUND];
+
+impl<T: Texel> Field<'_, T> {
+    /// Copies the texels of the block whose first is (left, top), and those around it.
+    #[inline(always)]
+    pub fn around(&self, [left, top]: [i32; 2]) -> Around {
+        let mut texels = [[0.0; BLOCK_COLUMNS + 2 * AROUND]; BLOCK_ROWS + 2 * AROUND];
+        self.copy([left - AROUND as i32, top - AROUND as i32], &mut texels);
+        texels
+    }
+}
+
+impl Surroundings<'_> {
+    /// The rows of the block with NaN for close texels that surely face all of the receivers, and with
+    /// NaN for those that may face any. For one receiver both are the same.
+    #[inline(always)]
+    pub fn unfaced(&self) -> [[Row; BLOCK_ROWS]; 2] {
+        let Extent { u, v, nearness: receivers } = *self.receivers;
+        let across = Line::<BLOCK_COLUMNS>::new(self.at[0], u);
+        let down = Line::<BLOCK_ROWS>::new(self.at[1], v);
+        let mut found = [[LANE; BLOCK_ROWS]; 2];
+        for y in 0..BLOCK_ROWS {
+            for x in 0..BLOCK_COLUMNS {
+                let at = |i: usize, j: usize| self.texels[y + j][x + i];
+                let nearness = at(2, 2);
+                let before = slope(at(0, 2), at(1, 2), nearness);
+                let after = slope(nearness, at(3, 2), at(4, 2));
+                let above = slope(at(2, 0), at(2, 1), nearness);
+                let below = slope(nearness, at(2, 3), at(2, 4));
+                let along_x = across.rise(x, [before, after]);
+                let along_y = down.rise(y, [above, below]);
+                for end in 0..2 {
+                    let plane = nearness - (along_x[end] + along_y[end]);
+                    let is_close = nearness - receivers[end] <= self.contact;
+                    let is_facing = is_close & (plane <= receivers[end]);
+                    found[end][y][x] = if is_facing { f32::NAN } else { nearness };
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Some receivers, as a line of texels sees them along one axis.
+struct Line<const LENGTH: usize> {
+    /// How far each texel is beyond the first receiver, and beyond the last.
+    beyond: [[f32; LENGTH]; 2],
+    /// 0 for texels between those, else infinite.
+    between: [f32; LENGTH],
+}
+
+impl<const LENGTH: usize> Line<LENGTH> {
+    #[inline(always)]
+    fn new(first: i32, [least, most]: [f32; 2]) -> Self {
+        let (mut beyond, mut between) = ([[0.0; LENGTH]; 2], [f32::INFINITY; LENGTH]);
+        for i in 0..LENGTH {
+            let at = (first as f32 + 0.5) + i as f32;
+            let (after_first, after_last) = (at - least, at - most);
+            (beyond[0][i], beyond[1][i]) = (after_first, after_last);
+            let is_between = (after_first > 0.0) & (after_last <= 0.0);
+            between[i] = if is_between { 0.0 } else { f32::INFINITY };
+        }
+        Line { beyond, between }
+    }
+
+    /// Bounds on what a texel's plane rises by from the receivers to the texel, with the slope before
+    /// the texel and the one after it.
+    #[inline(always)]
+    fn rise(&self, i: usize, [before, after]: [f32; 2]) -> [f32; 2] {
+        let rise = |beyond: f32| (if beyond > 0.0 { after } else { before }) * beyond;
+        let (first, last) = (rise(self.beyond[0][i]), rise(self.beyond[1][i]));
+        let between = self.between[i];
+        let low = if first < last { first } else { last };
+        let high = if first > last { first } else { last };
+        let low = if low < between { low } else { between };
+        let high = if high > -between { high } else { -between };
+        [low, high]
+    }
+}
