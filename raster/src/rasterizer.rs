@@ -37,7 +37,7 @@ const CHUNKS: usize = 48;
 const MOST_BESIDE: usize = 4;
 
 /// The fewest triangles that are worth a part.
-const LEAST_CHUNK: usize = 1024;
+const LEAST_CHUNK: usize = 256;
 
 impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
@@ -200,7 +200,9 @@ impl Rasterizer {
             let per_chunk = (end - first).div_ceil(chunks).next_multiple_of(64).max(LEAST_CHUNK);
             let (vertices, projections) = (&self.vertices, &self.projections[..]);
             let source = Source { mesh: *mesh, mask, payload, views: projections, vertices, grid };
-            let chunks = BandSlice { data: &mut self.chunks, len: 1 };
+            // Few triangles need few parts, and each is looked through for every band.
+            let used = (end - first).div_ceil(per_chunk);
+            let chunks = BandSlice { data: &mut self.chunks[..used], len: 1 };
             for_each_band(threads, chunks, &|index, chunk| {
                 let start = end.min(first + index * per_chunk);
                 let [bins] = chunk.data else { return };
@@ -208,14 +210,15 @@ impl Rasterizer {
                 bins.iter_mut().for_each(|bins| bins.clear(grid.bands()));
                 bin(level, &source, start, end.min(start + per_chunk), bins);
             });
-            for bins in self.chunks.iter().flat_map(|bins| &bins[..views.len()]) {
+            for bins in self.chunks[..used].iter().flat_map(|bins| &bins[..views.len()]) {
                 stats.drawn += bins.stats.drawn;
                 stats.clipped += bins.stats.clipped;
                 stats.invalid += bins.stats.invalid;
             }
             let is_last = end == mesh.triangles.len();
             for (view, target) in targets.iter_mut().enumerate() {
-                let binned = Binned { grid, view, mask, clear: first == 0 };
+                let chunks = &self.chunks[..used];
+                let binned = Binned { chunks, grid, view, mask, clear: first == 0 };
                 if is_last {
                     let beside = then.beside.next().expect("one beside for each view");
                     self.draw_batch(binned, target, then.rows, beside, then.finish);
@@ -242,7 +245,7 @@ impl Rasterizer {
         if target.nearness.is_empty() {
             return;
         }
-        let Binned { grid, view, mask, clear } = binned;
+        let Binned { chunks, grid, view, mask, clear } = binned;
         // A band is drawn in as many steps as it takes to keep it in the nearest cache.
         let steps = (rows / grid.rows()).max(1);
         let step = grid.rows() * target.width as usize;
@@ -258,7 +261,7 @@ impl Rasterizer {
                 let kept = if clear { [0; 2] } else { [0, grid.width] };
                 let (kept, strips) = ([kept; MAX_ROWS], Strips::EMPTY);
                 let mut rows = Rows { grid, band, kept, strips, nearness, payload };
-                draw_band(self.level, &mut rows, &self.chunks, view, mask);
+                draw_band(self.level, &mut rows, chunks, view, mask);
             }
             let height = nearness.len() as u32 / grid.width;
             let drawn = DepthMap::new(grid.width, height, nearness, payload);
@@ -270,6 +273,7 @@ impl Rasterizer {
 /// What is binned for one view.
 #[derive(Clone, Copy, Debug)]
 struct Binned<'a> {
+    chunks: &'a [Vec<Bins>],
     grid: Grid,
     view: usize,
     mask: Option<&'a AlphaMask<'a>>,
