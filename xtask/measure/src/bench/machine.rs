@@ -7,6 +7,8 @@ use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 use shadowmap_core::Level;
 
+use super::addresses;
+
 /// What a figure depends on besides the code.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Machine {
@@ -18,6 +20,9 @@ pub struct Machine {
     pub levels: Vec<String>,
     /// The compiler's version.
     pub compiler: String,
+    /// Whether program and memory lie where they lie in every run.
+    #[serde(default)]
+    pub fixed_addresses: bool,
     /// Bytes per second that one thread copies within 8 MiB, what a map of 1024² takes, counting
     /// those read and those written.
     pub bandwidth: f64,
@@ -38,6 +43,7 @@ impl Machine {
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             levels: Level::available().map(|level| level.kind().name().to_owned()).collect(),
             compiler: compiler(),
+            fixed_addresses: addresses::fixed(),
             bandwidth: best(copy),
             peak: best(multiply_and_add),
         }

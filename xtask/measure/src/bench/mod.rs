@@ -1,5 +1,6 @@
 //! `cargo xtask bench`: times every stage, checked first, variants in turn.
 
+mod addresses;
 mod area;
 mod changes;
 mod frame;
@@ -55,6 +56,7 @@ pub fn run(arguments: &[String]) -> ExitCode {
     if let Some(purpose) = options.instructions {
         return exit(instructions::run(purpose));
     }
+    addresses::fix(arguments);
     exit(time(&options, &names))
 }
 

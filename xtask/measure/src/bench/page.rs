@@ -34,6 +34,12 @@ pub fn html(results: &Results, parts: &[&'static str]) -> String {
             "then for 10 ms or more, of which the median was kept. Times are medians over the "
             "rounds with their quartiles, and a ratio is the median over the rounds of the time "
             "relative to the group's first variant. Two threads keep to two cores."
+            @if machine.fixed_addresses {
+                " Program and memory lie at the same addresses in every run."
+            } @else {
+                " Program and memory lie at other addresses in every run, which alone can change "
+                "a ratio by 5 %."
+            }
             @if results.quick { " This was a quick run: fewer sizes, fewer rounds." }
         }
     };
