@@ -2,8 +2,6 @@
 //! pass, maps and visibility together, beside rays, each with its error.
 
 use glam::Vec3;
-use renderer::builtin;
-use renderer::camera::{CameraOptions, choose, view};
 use renderer::frame::{Frame, Goal, Shot};
 use renderer::lighting::{LightJob, LightOptions};
 use renderer::method::Method;
@@ -12,7 +10,7 @@ use renderer::scene::SceneLight;
 use shadowmap_core::{Level, Light, Threads};
 
 use super::rays::Rays;
-use super::{Bench, Case, Group, Variant};
+use super::{Bench, Case, Group, Variant, setup};
 
 /// The cases.
 pub fn cases(quick: bool) -> [Case; 2] {
@@ -48,10 +46,9 @@ fn beside_rays(
     mut options: Vec<(String, LightOptions)>,
     rays: &[u32],
 ) {
-    let scene = builtin::scene(name).expect("a built-in scene");
+    let scene = setup::scene(name);
     let prepared = Prepared::new(&scene);
-    let camera = choose(&scene, &CameraOptions::default()).expect("built-in scenes have cameras");
-    let camera = view(&camera, [512; 2], prepared.bounds());
+    let camera = setup::camera(&scene, 512);
     let truth = Rays::new(&scene.mesh.as_mesh(), light, &camera);
     let light =
         SceneLight { name: kind.to_owned(), light, color: Vec3::ONE, intensity: 1.0, spot: None };

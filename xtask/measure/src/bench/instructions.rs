@@ -10,17 +10,14 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use renderer::builtin;
-use renderer::camera::{CameraOptions, choose, view};
 use renderer::frame::{Frame, Goal, Shot};
-use renderer::lighting::{LightJob, LightOptions};
 use renderer::method::Method;
-use renderer::prepared::Prepared;
 use serde::{Deserialize, Serialize};
-use shadowmap_core::{Level, Light, Threads};
+use shadowmap_core::{Level, Threads};
 
 use super::machine::compiler;
 use super::options::Purpose;
+use super::setup::Setup;
 
 /// The argument with which the program runs itself.
 pub const CHILD: &str = "--count-instructions";
@@ -146,38 +143,19 @@ fn count_in(folder: &Path) -> Result<Counts, String> {
 /// What runs under callgrind: every frame twice, the second time counted, and its name printed.
 pub fn child() {
     for level in [Level::SCALAR, Level::detect()] {
-        for (name, method) in FRAMES {
-            let scene = builtin::scene(name).expect("a built-in scene");
-            let prepared = Prepared::new(&scene);
-            let linear = method != Method::Search;
-            let suits = |light: &Light| matches!(light, Light::Linear { .. }) == linear;
-            let light = scene.lights.iter().find(|light| suits(&light.light)).expect("both kinds");
-            let options = LightOptions {
-                method: Some(method),
-                samples: linear.then_some(2),
-                map_size: SIDE,
-                ..LightOptions::default()
-            };
-            let camera = choose(&scene, &CameraOptions::default()).expect("it has a camera");
-            let camera = view(&camera, [SIDE; 2], prepared.bounds());
-            let job = LightJob::new(light, &options, &prepared, &camera);
-            let lights = [job.expect("the method knows the light")];
-            let mut frame = Frame::new(level, Threads::One);
-            let shot = Shot {
-                prepared: &prepared,
-                camera: &camera,
-                aa: 1,
-                lights: &lights,
-                tracer: None,
-                goal: Goal::Srgb,
-            };
-            frame.render(&shot);
-            for (stage, goal) in GOALS {
-                mark();
-                frame.render(&Shot { goal, ..shot });
-                mark();
-                println!("{name}, {method}, {}: {stage}", level.kind().name());
-            }
+        for (scene, method) in FRAMES {
+            let samples = (method != Method::Search).then_some(2);
+            let setup = Setup { scene, method, camera: SIDE, map: SIDE, samples };
+            setup.with_shot(|shot| {
+                let mut frame = Frame::new(level, Threads::One);
+                frame.render(shot);
+                for (stage, goal) in GOALS {
+                    mark();
+                    frame.render(&Shot { goal, ..*shot });
+                    mark();
+                    println!("{scene}, {method}, {}: {stage}", level.kind().name());
+                }
+            });
         }
     }
 }

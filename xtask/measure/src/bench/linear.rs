@@ -6,16 +6,14 @@ use linear_light::{
     SkinShadow, VisibilityChannels,
 };
 use raster::{DepthBuffer, Payload, Rasterizer, Target, draw_plain};
-use renderer::builtin;
-use renderer::camera::{CameraOptions, choose, view};
 use renderer::lighting::{LightJob, LightOptions, Plan};
 use renderer::method::Method;
 use renderer::prepared::Prepared;
 use renderer::scene::{Scene, SceneLight};
-use shadowmap_core::{Bias, Camera, DepthMap, Level, Light, Mesh, Surfaces, Threads, View};
+use shadowmap_core::{Bias, Camera, DepthMap, Level, Mesh, Surfaces, Threads, View};
 
 use super::rays::Rays;
-use super::{Bench, Case, Group, Variant, area, count, on};
+use super::{Bench, Case, Group, Variant, area, count, on, setup};
 use crate::compare::compare;
 
 /// Side of the camera's image.
@@ -53,23 +51,19 @@ struct Shot {
 
 impl Shot {
     fn new(name: &'static str) -> Shot {
-        let scene = builtin::scene(name).expect("a built-in scene");
-        let camera = choose(&scene, &CameraOptions::default()).expect("the scene has a camera");
-        let view = view(&camera, [SIDE; 2], scene.bounds());
+        let scene = setup::scene(name);
+        let view = setup::camera(&scene, SIDE);
         let mut image = DepthBuffer::new(SIDE, SIDE);
         let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
         rasterizer.draw(&view, &scene.mesh.as_mesh(), Payload::TriangleIndex, image.target());
         Shot { name, scene, view, image }
     }
 
-    /// The scene's linear light.
     fn light(&self) -> &SceneLight {
-        let mut lights = self.scene.lights.iter();
-        let light = lights.find(|light| matches!(light.light, Light::Linear { .. }));
-        light.expect("the scene has a linear light")
+        setup::light(&self.scene, true)
     }
 
-    /// The same with views as the program takes them.
+    /// The scene's linear light with views as the program takes them.
     fn line(&self, prepared: &Prepared<'_>, size: u32, samples: u32) -> RectifiedLight {
         let options = LightOptions {
             method: Some(Method::Intervals),

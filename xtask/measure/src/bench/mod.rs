@@ -16,6 +16,7 @@ mod rays;
 mod readme;
 mod report;
 mod search;
+mod setup;
 mod single;
 mod threads;
 

@@ -9,7 +9,7 @@ use raster::{DepthBuffer, Payload, Rasterizer, draw_plain};
 use renderer::scene::TriangleMesh;
 use shadowmap_core::{Level, Threads, View, Window};
 
-use super::{Bench, Case, Group, Variant, count, on};
+use super::{Bench, Case, Group, Variant, count, on, setup};
 
 /// Nearness and ID of a texel.
 const BYTES_PER_TEXEL: f64 = 8.0;
@@ -151,7 +151,7 @@ fn growth(
 }
 
 fn torus() -> TriangleMesh {
-    renderer::builtin::scene("torus").expect("torus is built in").mesh
+    setup::scene("torus").mesh
 }
 
 /// A million triangles.

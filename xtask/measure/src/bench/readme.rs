@@ -25,7 +25,7 @@ pub fn table(results: &Results) -> Result<String, String> {
     }
     let machine = &results.machine;
     text += &format!(
-        "\nMedians; {}, {}, {}.\n",
+        "\nMedians, frame after frame, every pass anew; {}, {}, {}.\n",
         machine.cpu,
         machine.levels.last().map_or("", String::as_str),
         machine.compiler

@@ -5,16 +5,12 @@ use std::hint::black_box;
 
 use glam::Vec3;
 use raster::{DepthBuffer, Payload, Rasterizer};
-use renderer::builtin;
-use renderer::camera::{CameraOptions, choose, view};
 use renderer::prepared::Prepared;
 use renderer::scene::Scene;
-use shadowmap_core::{
-    Bias, DepthMap, HardShadow, Level, Light, LightPoint, Threads, View, hard_shadow,
-};
+use shadowmap_core::{Bias, DepthMap, HardShadow, Level, LightPoint, Threads, View, hard_shadow};
 use simd_search::{Hit, LeafBands, NodeGroup, Pyramid, Query, Side, Visits, naive, nearest};
 
-use super::{Bench, Case, Group, Variant};
+use super::{Bench, Case, Group, Variant, setup};
 
 /// Pixels of the camera along either axis: its pixels are the receivers.
 const CAMERA: u32 = 512;
@@ -48,7 +44,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
 
 /// Every comparison on the map of a scene.
 fn one_map(bench: &mut Bench, name: &str, size: u32, radii: &[u32]) {
-    let scene = builtin::scene(name).expect("a built-in scene");
+    let scene = setup::scene(name);
     let lit = Lit::new(&scene, size);
     let map = lit.map.as_depth_map();
     let mut storage = vec![NodeGroup::default(); Pyramid::storage_len(size, size)];
@@ -109,18 +105,13 @@ impl Lit {
         let prepared = Prepared::new(scene);
         let mesh = scene.mesh.as_mesh();
         let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
-        let spherical = |light: &Light| match *light {
-            Light::Sphere { center, .. } => Some(center),
-            _ => None,
-        };
-        let eye = scene.lights.iter().find_map(|light| spherical(&light.light));
-        let (eye, half) = (eye.expect("the scene has a spherical light"), 90_f32.to_radians());
-        let view_of_light = View::perspective(eye, Vec3::ZERO, Vec3::NEG_Z, half, size, size, 0.1);
+        let eye = setup::light(scene, false).light.center().expect("a sphere has one");
+        let fov = 90_f32.to_radians();
+        let view_of_light = View::perspective(eye, Vec3::ZERO, Vec3::NEG_Z, fov, size, size, 0.1);
         let mut map = DepthBuffer::new(size, size);
         rasterizer.draw(&view_of_light, &mesh, Payload::ObjectId, map.target());
 
-        let camera = choose(scene, &CameraOptions::default()).expect("the scene has a camera");
-        let camera = view(&camera, [CAMERA; 2], prepared.bounds());
+        let camera = setup::camera(scene, CAMERA);
         let mut seen = DepthBuffer::new(CAMERA, CAMERA);
         rasterizer.draw(&camera, &mesh, Payload::TriangleIndex, seen.target());
         let receiver = |x: u32, y: u32| {

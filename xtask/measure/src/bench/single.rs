@@ -2,16 +2,15 @@
 //! the radius of the light, the size of the map and the size of the image.
 
 use raster::{DepthBuffer, Payload, Rasterizer};
-use renderer::camera::{CameraOptions, choose, view};
 use renderer::cover::Cover;
+use renderer::light_views;
 use renderer::prepared::Prepared;
 use renderer::scene::Scene;
-use renderer::{builtin, light_views};
 use shadowmap_core::{Camera, Level, Light, Surfaces, Threads, View};
 use simd_search::{NodeGroup, Pyramid};
 use single_sample::{Counters, LightMap, Texels, search};
 
-use super::{Bench, Case, Group, Variant, count, on};
+use super::{Bench, Case, Group, Variant, count, on, setup};
 
 /// The cases of this part.
 pub fn cases(quick: bool) -> Vec<Case> {
@@ -21,14 +20,14 @@ pub fn cases(quick: bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for name in ["torus", "crowded"] {
         cases.push(Case::new(2, move |bench| {
-            let scene = builtin::scene(name).expect("a built-in scene");
+            let scene = setup::scene(name);
             let shot = Shot::new(&scene, 0.5, 512, 1024);
             levels(bench, name, &shot);
             adaptive(bench, name, &shot);
         }));
         let mut over = |x: (&'static str, f32), group: String, radius, image, map| {
             cases.push(Case::new(1, move |bench| {
-                let scene = builtin::scene(name).expect("a built-in scene");
+                let scene = setup::scene(name);
                 threads(bench, group, x, &Shot::new(&scene, radius, image, map));
             }));
         };
@@ -62,12 +61,9 @@ impl<'a> Shot<'a> {
     fn new(scene: &'a Scene, radius: f32, image: u32, size: u32) -> Shot<'a> {
         let prepared = Prepared::new(scene);
         let mesh = scene.mesh.as_mesh();
-        let sphere = |light: &Light| matches!(light, Light::Sphere { .. });
-        let light = scene.lights.iter().find(|light| sphere(&light.light));
-        let center = light.and_then(|light| light.light.center()).expect("a spherical light");
+        let center = setup::light(scene, false).light.center().expect("a sphere has one");
         let sphere = Light::Sphere { center, radius };
-        let camera = choose(scene, &CameraOptions::default()).expect("the scene has a camera");
-        let camera = view(&camera, [image; 2], prepared.bounds());
+        let camera = setup::camera(scene, image);
         let cover = Cover::new(&prepared, &sphere, &camera);
         let light = light_views::fit(&sphere, None, None, size, &cover).remove(0);
         let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
