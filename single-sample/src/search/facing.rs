@@ -14,7 +14,7 @@ use super::reach::Extent;
 use super::receiver::Receiver;
 
 /// Blockers are close for which the light's disc has a radius up to this many texels.
-const CLOSE: f32 = 1.0;
+const CLOSE: f32 = 0.5;
 
 /// Slopes beyond this, and what is no number, count as none; no blocker that is nearer than a
 /// receiver by more is close.
