@@ -10,6 +10,7 @@
 //! goes on; and of two there the lesser one, for the other may lead across an edge.
 
 use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Row, Texel};
+use super::kernels::Bits;
 use super::reach::Extent;
 use super::receiver::Receiver;
 
@@ -68,25 +69,24 @@ impl<T: Texel> Field<'_, T> {
 pub(crate) struct Surroundings<'a> {
     /// The block's first texel.
     pub at: [i32; 2],
-    pub texels: &'a Around,
+    pub texels: [&'a [f32; Surroundings::COLUMNS]; Surroundings::ROWS],
     pub receivers: &'a Extent,
     pub contact: f32,
-}
-
-/// The texels of a block and those around it.
-pub(crate) type Around = [[f32; BLOCK_COLUMNS + 2 * AROUND]; BLOCK_ROWS + 2 * AROUND];
-
-impl<T: Texel> Field<'_, T> {
-    /// Copies the texels of the block whose first is (left, top), and those around it.
-    #[inline(always)]
-    pub fn around(&self, [left, top]: [i32; 2]) -> Around {
-        let mut texels = [[0.0; BLOCK_COLUMNS + 2 * AROUND]; BLOCK_ROWS + 2 * AROUND];
-        self.copy([left - AROUND as i32, top - AROUND as i32], &mut texels);
-        texels
-    }
+    /// Which texels of the block may be close to receivers.
+    pub close: Bits,
 }
 
 impl Surroundings<'_> {
+    /// Of the block and those around it.
+    pub const COLUMNS: usize = BLOCK_COLUMNS + 2 * AROUND;
+    pub const ROWS: usize = BLOCK_ROWS + 2 * AROUND;
+
+    /// The first texel around the block whose first is (x, y).
+    #[inline(always)]
+    pub fn first([x, y]: [i32; 2]) -> [i32; 2] {
+        [x - AROUND as i32, y - AROUND as i32]
+    }
+
     /// The rows of the block with NaN for close texels that surely face all of the receivers, and with
     /// NaN for those that may face any. For one receiver both are the same.
     #[inline(always)]
@@ -96,6 +96,12 @@ impl Surroundings<'_> {
         let down = Line::<BLOCK_ROWS>::new(self.at[1], v);
         let mut found = [[LANE; BLOCK_ROWS]; 2];
         for y in 0..BLOCK_ROWS {
+            if self.close.row(y) == 0 {
+                let row = self.texels[y + AROUND][AROUND..].first_chunk();
+                let row = row.expect("the block's texels lie within those around it");
+                (found[0][y], found[1][y]) = (*row, *row);
+                continue;
+            }
             for x in 0..BLOCK_COLUMNS {
                 let at = |i: usize, j: usize| self.texels[y + j][x + i];
                 let nearness = at(2, 2);

@@ -32,7 +32,10 @@ pub(crate) trait Texel: Copy + Sync {
     fn unit(view: &View) -> f32;
     fn nearness(self) -> f32;
     /// The nearness of a row of texels, which may be written to `room`.
-    fn row<'a>(texels: &'a [Self; BLOCK_COLUMNS], room: &'a mut Row) -> &'a Row;
+    fn row<'a, const COLUMNS: usize>(
+        texels: &'a [Self; COLUMNS],
+        room: &'a mut [f32; COLUMNS],
+    ) -> &'a [f32; COLUMNS];
 }
 
 impl Texel for f32 {
@@ -44,7 +47,10 @@ impl Texel for f32 {
         self
     }
     #[inline(always)]
-    fn row<'a>(texels: &'a Row, _: &'a mut Row) -> &'a Row {
+    fn row<'a, const COLUMNS: usize>(
+        texels: &'a [f32; COLUMNS],
+        _: &'a mut [f32; COLUMNS],
+    ) -> &'a [f32; COLUMNS] {
         texels
     }
 }
@@ -60,7 +66,10 @@ impl Texel for u32 {
         (self >> 8) as i32 as f32
     }
     #[inline(always)]
-    fn row<'a>(texels: &'a [u32; BLOCK_COLUMNS], room: &'a mut Row) -> &'a Row {
+    fn row<'a, const COLUMNS: usize>(
+        texels: &'a [u32; COLUMNS],
+        room: &'a mut [f32; COLUMNS],
+    ) -> &'a [f32; COLUMNS] {
         for (nearness, texel) in room.iter_mut().zip(texels) {
             *nearness = texel.nearness();
         }
@@ -98,48 +107,39 @@ impl<'a, T: Texel> Field<'a, T> {
     /// The block whose first texel is (x, y); NaN outside the map. Texels that cannot be borrowed
     /// are written to `room`.
     #[inline(always)]
-    pub fn block<'b>(&'b self, x: i32, y: i32, room: &'b mut [Row; BLOCK_ROWS]) -> Block<'b> {
-        const COLUMNS: i32 = BLOCK_COLUMNS as i32;
-        const ROWS: i32 = BLOCK_ROWS as i32;
-        let first = [x as f32 + 0.5, y as f32 + 0.5];
-        if x < 0 || y < 0 || x > self.width - COLUMNS || y > self.height - ROWS {
-            self.copy([x, y], room);
-            return Block { first, rows: room.each_ref() };
-        }
-        let mut start = y as usize * self.width as usize + x as usize;
-        let mut rows: [&Row; BLOCK_ROWS] = [&LANE; BLOCK_ROWS];
-        for (row, room) in rows.iter_mut().zip(room) {
-            let texels = self.texels[start..].first_chunk().expect("the block lies in the map");
-            *row = T::row(texels, room);
-            start += self.width as usize;
-        }
-        Block { first, rows }
+    pub fn block<'b>(&'b self, at: [i32; 2], room: &'b mut [Row; BLOCK_ROWS]) -> Block<'b> {
+        Block { first: at.map(|at| at as f32 + 0.5), rows: self.rows(at, room) }
     }
 
-    /// Copies the texels from `first` on; NaN outside the map.
+    /// Rows of texels, of which (x, y) is the first, in the same way.
     #[inline(always)]
-    pub fn copy<const COLUMNS: usize, const ROWS: usize>(
-        &self,
-        [left, top]: [i32; 2],
-        out: &mut [[f32; COLUMNS]; ROWS],
-    ) {
-        let (columns, rows) = (COLUMNS as i32, ROWS as i32);
-        if left < 0 || top < 0 || left > self.width - columns || top > self.height - rows {
-            for (row, y) in out.iter_mut().zip(top..) {
-                for (nearness, x) in row.iter_mut().zip(left..) {
+    pub fn rows<'b, const COLUMNS: usize, const ROWS: usize>(
+        &'b self,
+        [x, y]: [i32; 2],
+        room: &'b mut [[f32; COLUMNS]; ROWS],
+    ) -> [&'b [f32; COLUMNS]; ROWS] {
+        if x < 0 || y < 0 || x > self.width - COLUMNS as i32 || y > self.height - ROWS as i32 {
+            for (row, y) in room.iter_mut().zip(y..) {
+                for (nearness, x) in row.iter_mut().zip(x..) {
                     *nearness = self.nearness(x, y);
                 }
             }
-            return;
+            return room.each_ref();
         }
-        let mut start = top as usize * self.width as usize + left as usize;
-        for row in out {
-            let texels: &[T; COLUMNS] =
-                self.texels[start..].first_chunk().expect("they lie in the map");
-            for x in 0..COLUMNS {
-                row[x] = texels[x].nearness();
-            }
+        let mut start = y as usize * self.width as usize + x as usize;
+        let mut rows = [&Zero::<COLUMNS>::ROW; ROWS];
+        for (row, room) in rows.iter_mut().zip(room) {
+            let texels = self.texels[start..].first_chunk().expect("the rows lie in the map");
+            *row = T::row(texels, room);
             start += self.width as usize;
         }
+        rows
     }
+}
+
+/// What a row refers to before its texels are known.
+struct Zero<const COLUMNS: usize>;
+
+impl<const COLUMNS: usize> Zero<COLUMNS> {
+    const ROW: [f32; COLUMNS] = [0.0; COLUMNS];
 }

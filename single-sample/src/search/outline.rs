@@ -55,7 +55,7 @@ impl<const TESTS: usize> Strip<TESTS> {
         let mut passing = [[Bits::default(); TESTS]; BLOCKS];
         // Places reach to the texel after them.
         for (x, passing) in (left..=right).step_by(BLOCK_COLUMNS).zip(&mut passing) {
-            let block = field.block(x, top, &mut room);
+            let block = field.block([x, top], &mut room);
             let close = leaves.are_close([x, top]).then_some(extent);
             *passing = blocking(ops, field, [x, top], &block, tests, close);
         }
@@ -109,7 +109,7 @@ pub(crate) fn cell_bits<T: Texel>(
     at: [i32; 2],
 ) -> CellBits {
     let mut room = [LANE; BLOCK_ROWS];
-    let block = field.block(at[0], at[1], &mut room);
+    let block = field.block(at, &mut room);
     let [block] = blocking(ops, field, at, &block, &[*test], close);
     cell_of_blocks(&block, &block, 0)
 }
@@ -135,9 +135,13 @@ fn blocking<T: Texel, const TESTS: usize>(
         let most = extent.nearness[1];
         let nearness = (most + field.contact) + (most.abs() + field.contact) * ROUNDING;
         let beyond = Limits { nearness, ..limits(0) };
-        if ops.passing(&beyond, &block.rows) != passing[0] {
-            let (texels, contact) = (&field.around(at), field.contact);
-            let rows = ops.unfaced(&Surroundings { at, texels, receivers: extent, contact });
+        let far = ops.passing(&beyond, &block.rows);
+        if far != passing[0] {
+            let close = passing[0].each(&far, |passing, far| passing & !far);
+            let mut room = [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS];
+            let texels = field.rows(Surroundings::first(at), &mut room);
+            let (receivers, contact) = (extent, field.contact);
+            let rows = ops.unfaced(&Surroundings { at, texels, receivers, contact, close });
             for test in 0..TESTS {
                 passing[test] = ops.passing(&limits(test), &rows[test].each_ref());
             }
