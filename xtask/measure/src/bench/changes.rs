@@ -57,6 +57,9 @@ pub fn text(then: &Results, now: &Results) -> String {
     let lost = then.records.iter().filter(|then| !now.records.iter().any(|now| same(then, now)));
     text +=
         &format!("  {} figures in both, {new} new, {} not timed now\n", found.len(), lost.count());
+    if found.is_empty() {
+        return text + "  nothing to compare: the earlier results are of other parts\n";
+    }
     let relative =
         found.iter().filter(|change| change.now.ratio != 1.0 || change.then.ratio != 1.0);
     let ratios: Vec<f64> = relative.map(|change| size(change.ratio())).collect();
