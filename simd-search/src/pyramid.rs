@@ -206,7 +206,7 @@ impl<'a> Pyramid<'a> {
         Ok(Pyramid::upon_leaves(level, map, layout, nodes, ids, columns, rows))
     }
 
-    /// The pyramid of `map`, from leaves that were built band by band ([`LeafBands`]).
+    /// The pyramid of `map`, from leaves that were built band by band ([`crate::LeafBands`]).
     ///
     /// # Errors
     ///
