@@ -157,6 +157,36 @@ mod x86 {
     use crate::lanes::{BIT, Ids, Lanes};
 
     #[target_feature(enable = "sse4.1")]
+    #[inline]
+    fn least_of_four(a: __m128) -> f32 {
+        let b = _mm_min_ps(a, _mm_movehl_ps(a, a));
+        _mm_cvtss_f32(_mm_min_ss(b, _mm_movehdup_ps(b)))
+    }
+
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn least_by_eight(a: &Lanes) -> f32 {
+        let a: [__m256; 2] = cast(*a);
+        let b: [__m128; 2] = cast(_mm256_min_ps(a[0], a[1]));
+        least_of_four(_mm_min_ps(b[0], b[1]))
+    }
+
+    #[target_feature(enable = "sse4.1")]
+    #[inline]
+    fn greatest_of_four(a: __m128) -> f32 {
+        let b = _mm_max_ps(a, _mm_movehl_ps(a, a));
+        _mm_cvtss_f32(_mm_max_ss(b, _mm_movehdup_ps(b)))
+    }
+
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn greatest_by_eight(a: &Lanes) -> f32 {
+        let a: [__m256; 2] = cast(*a);
+        let b: [__m128; 2] = cast(_mm256_max_ps(a[0], a[1]));
+        greatest_of_four(_mm_max_ps(b[0], b[1]))
+    }
+
+    #[target_feature(enable = "sse4.1")]
     pub(super) fn sse41(job: Job<'_>) {
         let bit: [__m128i; 4] = cast(BIT);
         let greater = |a: &Lanes, b: &Lanes| {
@@ -195,15 +225,11 @@ mod x86 {
         };
         let least = |a: &Lanes| {
             let a: [__m128; 4] = cast(*a);
-            let c = _mm_min_ps(_mm_min_ps(a[0], a[2]), _mm_min_ps(a[1], a[3]));
-            let d = _mm_min_ps(c, _mm_movehl_ps(c, c));
-            _mm_cvtss_f32(_mm_min_ss(d, _mm_movehdup_ps(d)))
+            least_of_four(_mm_min_ps(_mm_min_ps(a[0], a[2]), _mm_min_ps(a[1], a[3])))
         };
         let greatest = |a: &Lanes| {
             let a: [__m128; 4] = cast(*a);
-            let c = _mm_max_ps(_mm_max_ps(a[0], a[2]), _mm_max_ps(a[1], a[3]));
-            let d = _mm_max_ps(c, _mm_movehl_ps(c, c));
-            _mm_cvtss_f32(_mm_max_ss(d, _mm_movehdup_ps(d)))
+            greatest_of_four(_mm_max_ps(_mm_max_ps(a[0], a[2]), _mm_max_ps(a[1], a[3])))
         };
         job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
@@ -247,20 +273,8 @@ mod x86 {
             }
             cast(a)
         };
-        let least = |a: &Lanes| {
-            let a: [__m256; 2] = cast(*a);
-            let b: [__m128; 2] = cast(_mm256_min_ps(a[0], a[1]));
-            let c = _mm_min_ps(b[0], b[1]);
-            let d = _mm_min_ps(c, _mm_movehl_ps(c, c));
-            _mm_cvtss_f32(_mm_min_ss(d, _mm_movehdup_ps(d)))
-        };
-        let greatest = |a: &Lanes| {
-            let a: [__m256; 2] = cast(*a);
-            let b: [__m128; 2] = cast(_mm256_max_ps(a[0], a[1]));
-            let c = _mm_max_ps(b[0], b[1]);
-            let d = _mm_max_ps(c, _mm_movehl_ps(c, c));
-            _mm_cvtss_f32(_mm_max_ss(d, _mm_movehdup_ps(d)))
-        };
+        let least = |a: &Lanes| least_by_eight(a);
+        let greatest = |a: &Lanes| greatest_by_eight(a);
         job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 
@@ -276,20 +290,8 @@ mod x86 {
         };
         let min = |a: &Lanes, b: &Lanes| cast(_mm512_min_ps(cast(*a), cast(*b)));
         let max = |a: &Lanes, b: &Lanes| cast(_mm512_max_ps(cast(*a), cast(*b)));
-        let least = |a: &Lanes| {
-            let a: [__m256; 2] = cast(*a);
-            let b: [__m128; 2] = cast(_mm256_min_ps(a[0], a[1]));
-            let c = _mm_min_ps(b[0], b[1]);
-            let d = _mm_min_ps(c, _mm_movehl_ps(c, c));
-            _mm_cvtss_f32(_mm_min_ss(d, _mm_movehdup_ps(d)))
-        };
-        let greatest = |a: &Lanes| {
-            let a: [__m256; 2] = cast(*a);
-            let b: [__m128; 2] = cast(_mm256_max_ps(a[0], a[1]));
-            let c = _mm_max_ps(b[0], b[1]);
-            let d = _mm_max_ps(c, _mm_movehl_ps(c, c));
-            _mm_cvtss_f32(_mm_max_ss(d, _mm_movehdup_ps(d)))
-        };
+        let least = |a: &Lanes| least_by_eight(a);
+        let greatest = |a: &Lanes| greatest_by_eight(a);
         job.run(Closures { greater, equal, select, min, max, least, greatest });
     }
 }

@@ -65,12 +65,6 @@ pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The least lane.
-#[inline(always)]
-pub(crate) fn least(a: &Lanes) -> f32 {
-    reduce(a, min)
-}
-
 /// All lanes as one: first those eight apart, then four, two and one.
 #[inline(always)]
 pub(crate) fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
@@ -87,7 +81,7 @@ pub(crate) fn reduce(a: &Lanes, f: impl Fn(f32, f32) -> f32) -> f32 {
 /// The least lane and its number, the lowest of those with equal keys. NaN is never the least.
 #[inline(always)]
 pub(crate) fn least_lane(ops: impl Ops, keys: &Lanes) -> (f32, usize) {
-    let least = least(keys);
+    let least = ops.least(keys);
     let mask = !ops.greater(keys, &[least; LANES]) & 0xffff;
     (least, mask.trailing_zeros() as usize % LANES)
 }
