@@ -59,11 +59,8 @@ impl<'a> LeafBands<'a> {
         let layout = Layout::new(width, height);
         layout.check(nodes, ids)?;
         let len = (rows / LeafBands::ROWS) as usize * Layout::columns(width).max(1) as usize;
-        let leaf_ids = layout.leaves().min(ids.len());
-        Ok(LeafBands {
-            nodes: BandSlice { data: &mut nodes[..layout.leaves()], len },
-            ids: BandSlice { data: &mut ids[..leaf_ids], len },
-        })
+        let (nodes, ids) = layout.leaves_of(nodes, ids);
+        Ok(LeafBands { nodes: BandSlice { data: nodes, len }, ids: BandSlice { data: ids, len } })
     }
 
     /// Builds the leaves, of one band or of all, from a map that has the texels of their rows and no

@@ -101,6 +101,16 @@ impl Layout {
         self.levels[0].columns as usize * self.levels[0].rows as usize
     }
 
+    /// The part of storage that holds leaves.
+    pub fn leaves_of<'s>(
+        &self,
+        nodes: &'s mut [NodeGroup],
+        ids: &'s mut [IdGroup],
+    ) -> (&'s mut [NodeGroup], &'s mut [IdGroup]) {
+        let leaf_ids = self.leaves().min(ids.len());
+        (&mut nodes[..self.leaves()], &mut ids[..leaf_ids])
+    }
+
     /// Checks the length of storage.
     pub fn check(&self, nodes: &[NodeGroup], ids: &[IdGroup]) -> Result<(), StorageError> {
         let check = |what, found, expected| {
@@ -196,8 +206,7 @@ impl<'a> Pyramid<'a> {
         let columns = columns.start..columns.end.min(map.width());
         let rows = rows.start..rows.end.min(map.height());
         if !columns.is_empty() && !rows.is_empty() {
-            let [leaves, leaf_ids] = [layout.leaves(), layout.leaves().min(ids.len())];
-            let (nodes, ids) = (&mut nodes[..leaves], &mut ids[..leaf_ids]);
+            let (nodes, ids) = layout.leaves_of(nodes, ids);
             run(
                 level,
                 Job::Leaves { map, nodes, ids, columns: columns.clone(), rows: rows.clone() },
