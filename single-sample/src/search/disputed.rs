@@ -7,6 +7,7 @@
 use simd_search::Pyramid;
 
 use super::cell::CELL;
+use super::facing::close_to;
 use super::planes::ROUNDING;
 use super::receiver::{Receiver, Seen};
 use super::segments::LANES;
@@ -179,7 +180,7 @@ impl Disputed {
         let (x, y, low, high) =
             (lanes(&self.x), lanes(&self.y), lanes(&self.low), lanes(&self.high));
         let (slope_x, slope_y) = (lanes(&self.slope_x), lanes(&self.slope_y));
-        let close_to = contact + (contact + r.nearness.abs()) * ROUNDING;
+        let most = close_to(contact, r.nearness);
         let (mut found, mut close) = (0, 0);
         for i in 0..LANES {
             let apart = |from: f32, to: f32, half: f32| {
@@ -199,7 +200,7 @@ impl Disputed {
             // False for NaN.
             let is_below = greatest <= r.above;
             found |= u32::from(is_near & !is_below) << i;
-            close |= u32::from((low[i] - steep) - r.nearness <= close_to) << i;
+            close |= u32::from((low[i] - steep) - r.nearness <= most) << i;
         }
         [found, close]
     }

@@ -11,6 +11,7 @@
 
 use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Row, Texel};
 use super::kernels::Bits;
+use super::planes::ROUNDING;
 use super::reach::Extent;
 use super::receiver::Receiver;
 
@@ -29,6 +30,13 @@ const AROUND: usize = 2;
 pub(crate) fn contact(spread: [f32; 2]) -> f32 {
     let contact = CLOSE / spread[0].max(spread[1]);
     if contact < LARGE { contact } else { LARGE }
+}
+
+/// Texels up to this much nearer may be close to receivers of this nearness or less, with room for
+/// rounding.
+#[inline(always)]
+pub(crate) fn close_to(contact: f32, nearness: f32) -> f32 {
+    contact + (contact + nearness.abs()) * ROUNDING
 }
 
 /// The lesser of two slopes between three texels.

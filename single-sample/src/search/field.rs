@@ -2,7 +2,6 @@
 
 use shadowmap_core::View;
 
-use super::facing::contact;
 use super::geometry::Geometry;
 use crate::LightMap;
 
@@ -83,7 +82,7 @@ pub(crate) struct Field<'a, T> {
     pub texels: &'a [T],
     pub width: i32,
     pub height: i32,
-    /// How much nearer than a receiver blockers are at most that are close to it.
+    /// See [`Geometry::contact`].
     pub contact: f32,
 }
 
@@ -91,7 +90,7 @@ impl<'a, T: Texel> Field<'a, T> {
     /// The texels of a map of `light`.
     pub fn new(light: &LightMap<'_>, texels: &'a [T], geometry: &Geometry) -> Self {
         let [width, height] = [light.view().width(), light.view().height()].map(|size| size as i32);
-        Field { texels, width, height, contact: contact(geometry.spread) }
+        Field { texels, width, height, contact: geometry.contact }
     }
 
     /// Nearness of texel (x, y); NaN outside the map.

@@ -1,5 +1,6 @@
 //! What all receivers of a call share.
 
+use super::facing::contact;
 use super::reach::Extent;
 use crate::math::sqrt;
 use shadowmap_core::{Bias, Projection, View, Warp};
@@ -29,6 +30,8 @@ pub(crate) struct Geometry {
     pub radius: f32,
     /// Radius of the disc's image in texels per nearness of the map (on the view axis).
     pub spread: [f32; 2],
+    /// How much nearer than a receiver blockers are at most that are close to it.
+    pub contact: f32,
     pub bias: Bias,
 }
 
@@ -42,6 +45,7 @@ impl Geometry {
         // A row U is focal * right + center * forward.
         let along = |row: [f32; 4]| (row[0] * forward.x + row[1] * forward.y) + row[2] * forward.z;
         let center = [along(light.rows()[0]), along(light.rows()[1])];
+        let spread = [fx * radius / unit, fy * radius / unit];
         let column = |i: usize, scale: f32| light.inverse_rows().map(|row| row[i] * scale);
         Geometry {
             warp,
@@ -54,7 +58,8 @@ impl Geometry {
             perspective,
             unit,
             radius,
-            spread: [fx * radius / unit, fy * radius / unit],
+            spread,
+            contact: contact(spread),
             bias,
         }
     }

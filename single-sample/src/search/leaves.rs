@@ -3,11 +3,11 @@
 use simd_search::{NodeGroup, Pyramid};
 
 use super::cell::{CELL, SAME_LAYER};
-use super::facing::contact;
+use super::facing::close_to;
 use super::geometry::Geometry;
 use super::kernels::{Ops, Work};
 use super::outline::Places;
-use super::planes::{Planes, ROUNDING};
+use super::planes::Planes;
 use super::reach::Extent;
 
 const WIDTH: i32 = Pyramid::LEAF[0] as i32;
@@ -55,7 +55,7 @@ pub(crate) struct LeafTest {
     most: f32,
     /// The size of the map.
     size: [f32; 2],
-    /// How much nearer than a receiver blockers are at most that are close to it.
+    /// See [`close_to`].
     close: f32,
 }
 
@@ -64,7 +64,6 @@ impl LeafTest {
     #[inline(always)]
     pub fn new(g: &Geometry, extent: &Extent, planes: &Planes, size: [i32; 2]) -> LeafTest {
         let spread = g.spread[0].max(g.spread[1]) * g.greatest_stretch(extent);
-        let contact = contact(g.spread);
         LeafTest {
             u: extent.u,
             v: extent.v,
@@ -73,7 +72,7 @@ impl LeafTest {
             planes: *planes,
             most: extent.nearness[1],
             size: [size[0] as f32, size[1] as f32],
-            close: contact + (contact + extent.nearness[1].abs()) * ROUNDING,
+            close: close_to(g.contact, extent.nearness[1]),
         }
     }
 
@@ -97,8 +96,8 @@ impl LeafTest {
                 p.hn[1] * ((if p.hn[1] > 0.0 { nodes.high[i] } else { nodes.low[i] }) - p.nearness);
             let tilt = Self::tilt(slope.map(|slope| slope * p.hn[1]), [u[1].slope, v[1].slope]);
             let is_above = (most + (u[1].middle + v[1].middle)) + tilt > p.above[0];
-            let is_inside = (x + Self::LAST[0] < self.size[0]) & (y + Self::LAST[1] < self.size[1]);
             found |= u32::from(is_near & is_above) << i;
+            let is_inside = (x + Self::LAST[0] < self.size[0]) & (y + Self::LAST[1] < self.size[1]);
             let ends = [nodes.low[i], nodes.high[i]];
             let [least, most] = if p.hn[0] > 0.0 { ends } else { [ends[1], ends[0]] };
             let at =

@@ -1,11 +1,10 @@
 //! Which texels block, cell by cell.
 
 use super::cell::{CELL, CellBits};
-use super::facing::Surroundings;
+use super::facing::{Surroundings, close_to};
 use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Block, Field, LANE, Texel};
 use super::kernels::{Bits, Ops, ROWS};
 use super::leaves::Leaves;
-use super::planes::ROUNDING;
 use super::reach::Extent;
 use super::texel_test::{Limits, Test};
 
@@ -133,7 +132,7 @@ fn blocking<T: Texel, const TESTS: usize>(
     // What passes another test passes the first.
     if let Some(extent) = close.filter(|_| passing[0] != Bits::default()) {
         let most = extent.nearness[1];
-        let nearness = (most + field.contact) + (most.abs() + field.contact) * ROUNDING;
+        let nearness = most + close_to(field.contact, most);
         let beyond = Limits { nearness, ..limits(0) };
         let far = ops.passing(&beyond, &block.rows);
         if far != passing[0] {
