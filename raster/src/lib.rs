@@ -54,7 +54,6 @@ mod binning;
 mod bins;
 mod clip;
 mod coverage;
-
 mod lanes;
 mod line;
 mod map;
@@ -68,6 +67,7 @@ mod skins;
 mod small;
 mod span;
 mod strips;
+mod texels;
 mod tiny;
 mod vertices;
 
@@ -76,6 +76,7 @@ pub use mask::AlphaMask;
 pub use plain::draw_plain;
 pub use rasterizer::Rasterizer;
 pub use skins::{SkinVertex, draw_skins};
+pub use texels::Texels;
 
 /// The largest width and height of a map, in texels.
 pub const MAX_SIZE: u32 = 16384;

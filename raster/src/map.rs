@@ -1,8 +1,8 @@
 //! What is drawn into, and what is stored there.
 
-use alloc::{vec, vec::Vec};
-
 use shadowmap_core::{DepthMap, MapError, View};
+
+use crate::Texels;
 
 /// The 32 bits that accompany nearness in each texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,15 +66,18 @@ impl<'a> Target<'a> {
     }
 }
 
+/// Where in a page of memory the payload starts, as far from nearness as helps.
+const PAYLOAD_PLACE: usize = 256;
+
 /// A map that owns its texels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthBuffer {
     width: u32,
     height: u32,
     /// Nearness of each texel, row-major; 0 where there is nothing.
-    pub nearness: Vec<f32>,
+    pub nearness: Texels<f32>,
     /// Payload of each texel, row-major; 0 where there is nothing.
-    pub payload: Vec<u32>,
+    pub payload: Texels<u32>,
 }
 
 impl DepthBuffer {
@@ -82,7 +85,8 @@ impl DepthBuffer {
     #[must_use]
     pub fn new(width: u32, height: u32) -> DepthBuffer {
         let len = width as usize * height as usize;
-        DepthBuffer { width, height, nearness: vec![0.0; len], payload: vec![0; len] }
+        let (nearness, payload) = (Texels::new(len, 0), Texels::new(len, PAYLOAD_PLACE));
+        DepthBuffer { width, height, nearness, payload }
     }
 
     /// Texels per row.
@@ -101,22 +105,22 @@ impl DepthBuffer {
     ///
     /// # Panics
     ///
-    /// If one of the vectors no longer has its length.
+    /// If one of the planes was exchanged for one of another length.
     #[must_use]
     pub fn target(&mut self) -> Target<'_> {
         Target::new(self.width, self.height, &mut self.nearness, &mut self.payload)
-            .expect("the vectors of a DepthBuffer keep their length")
+            .expect("the planes of a DepthBuffer keep their length")
     }
 
     /// To read, the payload taken as object IDs.
     ///
     /// # Panics
     ///
-    /// If one of the vectors no longer has its length.
+    /// If one of the planes was exchanged for one of another length.
     #[must_use]
     pub fn as_depth_map(&self) -> DepthMap<'_> {
         DepthMap::new(self.width, self.height, &self.nearness, &self.payload)
-            .expect("the vectors of a DepthBuffer keep their length")
+            .expect("the planes of a DepthBuffer keep their length")
     }
 }
 

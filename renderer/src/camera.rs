@@ -76,7 +76,7 @@ fn objects_in_sight(prepared: &Prepared<'_>, camera: &SceneCamera) -> usize {
     let mut map = [DepthBuffer::new(0, 0)];
     let mut drawing = Drawing::new(Level::detect(), Threads::One);
     drawing.draw(prepared, Viewer::Camera, &[view], Payload::ObjectId, &mut map);
-    let mut ids = std::mem::take(&mut map[0].payload);
+    let mut ids = map[0].payload.to_vec();
     ids.sort_unstable();
     ids.dedup();
     ids.len()

@@ -331,7 +331,7 @@ fn build(bench: &mut Bench, name: &str, scene: &Scene, view: &View, map: DepthMa
     let [mut alone, mut with_leaves] = [(); 2].map(|()| Rasterizer::new(level, Threads::One));
     let [mut drawn, mut copy] = [(); 2].map(|()| DepthBuffer::new(width, height));
     alone.draw(view, &mesh, Payload::ObjectId, drawn.target());
-    assert!(drawn.nearness == map.nearness(), "{name}: the map is drawn differently again");
+    assert!(drawn.nearness[..] == *map.nearness(), "{name}: the map is drawn differently again");
     let mut storage =
         [(); 4].map(|()| vec![NodeGroup::default(); Pyramid::storage_len(width, height)]);
     let [expected, whole, part, banded] = &mut storage;
