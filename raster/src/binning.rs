@@ -206,10 +206,12 @@ fn push_small<S: Simd>(
         s.store_u(&mut x[k], lanes.x[k]);
         s.store_u(&mut y[k], lanes.y[k]);
     }
-    let (mut edges, mut dx, mut dy) =
-        ([[0; MAX_LANES]; 3], [[0; MAX_LANES]; 3], [[0; MAX_LANES]; 3]);
-    for k in 0..3 {
-        s.store_u(&mut edges[k], s.shift_right::<8>(lanes.edges[k]));
+    let mut edges = [[0; MAX_LANES]; 3];
+    for (out, edge) in edges.iter_mut().zip(lanes.edges) {
+        s.store_u(out, s.shift_right::<8>(edge));
+    }
+    let (mut dx, mut dy) = ([[0; MAX_LANES]; 2], [[0; MAX_LANES]; 2]);
+    for k in 0..2 {
         s.store_u(&mut dx[k], lanes.delta[k][0]);
         s.store_u(&mut dy[k], lanes.delta[k][1]);
     }
@@ -228,8 +230,7 @@ fn push_small<S: Simd>(
             last_x: x[1][lane] as u16,
             last_y: y[1][lane] as u16,
             edges: [0, 1, 2].map(|k| edges[k][lane] as i32),
-            step_x: [0, 1, 2].map(|k| -(dy[k][lane] as i32)),
-            step_y: [0, 1, 2].map(|k| dx[k][lane] as i32),
+            steps: [[0, 1].map(|k| -(dy[k][lane] as i16)), [0, 1].map(|k| dx[k][lane] as i16)],
             plane: Plane { a: a[lane], b: b[lane], c: c[lane], low: low[lane], high: high[lane] },
             payload: payload[lane],
         };

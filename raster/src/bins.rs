@@ -88,7 +88,10 @@ impl Fragments {
 ///
 /// Its edge functions are divided by 256, rounded down: they change by multiples of 256 from texel
 /// to texel, so that no sign is lost.
+///
+/// One line of the cache: what is binned goes out to memory and comes back.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Small {
     /// First column and row of its bounds.
     pub(crate) x: u16,
@@ -99,12 +102,31 @@ pub(crate) struct Small {
     /// The edge functions at the centre of texel (x, y), less what excludes centres on edges that
     /// do not own them: covered is where none is negative.
     pub(crate) edges: [i32; 3],
-    /// Change of the edge functions from one column to the next.
-    pub(crate) step_x: [i32; 3],
-    /// Change of the edge functions from one row to the next.
-    pub(crate) step_y: [i32; 3],
+    /// Change of the first two edge functions from one column to the next, and from one row to the
+    /// next. The edges lead around the triangle: that of the third is what the two leave.
+    pub(crate) steps: [[i16; 2]; 2],
     pub(crate) plane: Plane,
     pub(crate) payload: u32,
+}
+
+const _: () = assert!(size_of::<Small>() == 64);
+
+impl Small {
+    #[inline(always)]
+    pub(crate) fn step_x(&self) -> [i32; 3] {
+        around(self.steps[0])
+    }
+
+    #[inline(always)]
+    pub(crate) fn step_y(&self) -> [i32; 3] {
+        around(self.steps[1])
+    }
+}
+
+#[inline(always)]
+fn around(steps: [i16; 2]) -> [i32; 3] {
+    let [a, b] = steps.map(i32::from);
+    [a, b, -(a + b)]
 }
 
 /// A triangle of any size.

@@ -47,15 +47,16 @@ impl Rows<'_> {
         let (lane_x, lane_y) = (s.load_u(&lane_x), s.load_u(&lane_y));
 
         let (right, down) = (x as i32 - i32::from(small.x), first - i32::from(small.y));
-        let (mut edges, mut step_y) = ([s.splat_i(0); 3], [s.splat_i(0); 3]);
+        let (step_x, step_y) = (small.step_x(), small.step_y());
+        let (mut edges, mut step) = ([s.splat_i(0); 3], [s.splat_i(0); 3]);
         for k in 0..3 {
-            let start = small.edges[k] + right * small.step_x[k] + down * small.step_y[k];
-            let along = s.mul_i(lane_x, s.splat_i(small.step_x[k]));
+            let start = small.edges[k] + right * step_x[k] + down * step_y[k];
+            let along = s.mul_i(lane_x, s.splat_i(step_x[k]));
             edges[k] = s.add_i(s.splat_i(start), along);
             if ROWS > 1 {
-                edges[k] = s.add_i(edges[k], s.mul_i(lane_y, s.splat_i(small.step_y[k])));
+                edges[k] = s.add_i(edges[k], s.mul_i(lane_y, s.splat_i(step_y[k])));
             }
-            step_y[k] = s.splat_i(ROWS as i32 * small.step_y[k]);
+            step[k] = s.splat_i(ROWS as i32 * step_y[k]);
         }
         let plane = &small.plane;
         let (low, high) = (s.splat_f(plane.low), s.splat_f(plane.high));
@@ -90,7 +91,7 @@ impl Rows<'_> {
                 s.blend_block::<ROWS>(payload, width, wins, mine);
             }
             for k in 0..3 {
-                edges[k] = s.add_i(edges[k], step_y[k]);
+                edges[k] = s.add_i(edges[k], step[k]);
             }
             py = s.add_d(py, s.splat_d(ROWS as f64));
             nearness = nearness.wrapping_add(ROWS * width);

@@ -24,20 +24,20 @@ impl Strips {
     #[inline(always)]
     fn find<S: Simd>(&mut self, s: S, small: &Small, first: i32, count: usize) {
         let (x, last_x) = (i32::from(small.x), i32::from(small.last_x));
-        let inverse = small.step_x.map(|step| match step {
+        let (step_x, step_y) = (small.step_x(), small.step_y());
+        let inverse = step_x.map(|step| match step {
             // A level edge excludes all of a row or nothing: what is half a unit or more, to either
             // side, becomes more than there are columns.
             0 => 4096.0,
             _ => 1.0 / step.unsigned_abs() as f32,
         });
-        let half = small.step_x.map(|step| 0.5 - 0.5 * step.unsigned_abs() as f32);
+        let half = step_x.map(|step| 0.5 - 0.5 * step.unsigned_abs() as f32);
         for chunk in (0..count).step_by(S::LANES) {
             let y = s.add_i(s.lanes(), s.splat_i(first + chunk as i32));
             let down = s.sub_i(y, s.splat_i(i32::from(small.y)));
             let (mut before, mut after) = (s.splat_i(x - 1), s.splat_i(last_x + 1));
             for k in 0..3 {
-                let edge =
-                    s.add_i(s.splat_i(small.edges[k]), s.mul_i(down, s.splat_i(small.step_y[k])));
+                let edge = s.add_i(s.splat_i(small.edges[k]), s.mul_i(down, s.splat_i(step_y[k])));
                 // The greatest whole number q not above edge / step, both whole, |step| <= 2^14, by
                 // rounding (edge + 1/2) / |step| - 1/2 to nearest: that is never closer to halfway
                 // than 2^-15, and single precision errs by 2^-17 where q is a column at all.
@@ -48,7 +48,7 @@ impl Strips {
                     s.i_from_bits(s.add_f(quotient, s.splat_f(SNAP_SHIFT))),
                     s.splat_i(SNAP_SHIFT.to_bits() as i32),
                 );
-                if small.step_x[k] > 0 {
+                if step_x[k] > 0 {
                     before = s.max_i(before, s.sub_i(s.splat_i(x - 1), quotient));
                 } else {
                     after = s.min_i(after, s.add_i(quotient, s.splat_i(x + 1)));
