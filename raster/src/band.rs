@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::AlphaMask;
+use crate::ahead::Ahead;
 use crate::bins::{Bins, Fragments, Grid, Large, MAX_ROWS, Masked};
 use crate::line::{Line, clear};
 use crate::plain::is_nearer;
@@ -49,11 +50,14 @@ fn draw_band_body<S: Simd>(
         }
     }
     rows.clear_rest(s);
+    let small = |bins: &Vec<Bins>| bins[view].bands[rows.band].small.len();
+    let mut ahead = Ahead::of(rows, chunks.iter().map(small).sum());
     for bins in chunks.iter().map(|bins| &bins[view]) {
         let band = &bins.bands[rows.band];
         rows.fragments(&band.fragments);
         for small in &band.small {
             rows.small(s, small);
+            ahead.fetch(s);
         }
         if let Some(mask) = mask {
             for &index in &band.masked {

@@ -49,6 +49,7 @@
 
 extern crate alloc;
 
+mod ahead;
 mod band;
 mod binning;
 mod bins;

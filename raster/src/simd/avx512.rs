@@ -94,6 +94,7 @@ impl Simd for Avx512 {
         blend_u(to: &mut [u32], m: M, a: I) =
             _mm512_mask_storeu_epi32(to[..16].as_mut_ptr().cast(), m, a);
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
+        prefetch_later(at: *const u8) = _mm_prefetch::<_MM_HINT_T1>(at.cast());
         prefetch_read(at: *const u8) = _mm_prefetch::<_MM_HINT_T0>(at.cast());
 
         gather(table: &[[f32; 4]], triangles: &[[u32; 3]], missing: [f32; 4]) -> [[F; 4]; 3] = {

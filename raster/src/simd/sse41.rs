@@ -87,6 +87,7 @@ impl Simd for Sse41 {
             _mm_storeu_pd(to[2..4].as_mut_ptr(), a[1]);
         };
         prefetch(at: *const u8) = _mm_prefetch::<_MM_HINT_ET0>(at.cast());
+        prefetch_later(at: *const u8) = _mm_prefetch::<_MM_HINT_T1>(at.cast());
         prefetch_read(at: *const u8) = _mm_prefetch::<_MM_HINT_T0>(at.cast());
 
         gather(table: &[[f32; 4]], triangles: &[[u32; 3]], missing: [f32; 4]) -> [[F; 4]; 3] = [
