@@ -21,6 +21,7 @@ pub(crate) enum Shown {
 
 /// What is known of a planar tile.
 pub(crate) struct Planar {
+    pub surface: Surface,
     /// The receiver of its first pixel.
     pub first: Receiver,
     pub extent: Extent,
@@ -72,7 +73,8 @@ impl FindPlanar<'_> {
         if width < TILE {
             return None;
         }
-        let normal = self.normal(start, height)?;
+        let surface = self.surface(start, height)?;
+        let normal = surface.normal.to_array();
 
         // Nearness is affine in the image on a plane.
         let first = nearness(0, 0);
@@ -104,37 +106,45 @@ impl FindPlanar<'_> {
             }
             extent.add(corner.u, corner.v, corner.nearness);
         }
-        Some(Planar { first: corners[0], extent })
+        Some(Planar { surface, first: corners[0], extent })
     }
 
-    /// The normal of all pixels of the tile.
+    /// The surface of all pixels of the tile.
     #[inline(always)]
-    fn normal(&self, start: usize, height: usize) -> Option<[f32; 3]> {
+    fn surface(&self, start: usize, height: usize) -> Option<Surface> {
         let map = self.camera.map();
-        let image = map.width() as usize;
+        let id = map.ids().get(start).copied();
+        if id.is_some_and(|id| !self.all_rows(map.ids(), start, height, id)) {
+            return None;
+        }
         match self.camera.surfaces() {
-            Surfaces::Table(table) => {
-                let first = *map.ids().get(start)?;
-                let mut is_same = [true; TILE];
-                for y in 0..height {
-                    let row: &[u32; TILE] = map.ids()[start + y * image..].first_chunk()?;
-                    for x in 0..TILE {
-                        is_same[x] &= row[x] == first;
-                    }
-                }
-                let surface = table.get(first as usize).unwrap_or(&Surface::UNKNOWN);
-                (!is_same.contains(&false)).then(|| surface.normal.to_array())
-            }
+            Surfaces::Table(table) => Some(*table.get(id? as usize).unwrap_or(&Surface::UNKNOWN)),
             Surfaces::Normals(normals) => {
-                let first = normals[start];
-                let mut is_same = true;
-                for y in 0..height {
-                    let row = &normals[start + y * image..][..TILE];
-                    is_same &= row.iter().all(|normal| *normal == first);
-                }
-                is_same.then(|| first.to_array())
+                let normal = normals[start];
+                let is_same = self.all_rows(normals, start, height, normal);
+                is_same.then_some(Surface { normal, id: id.unwrap_or(0) })
             }
             Surfaces::FromDepth => None,
         }
+    }
+
+    /// Whether a value is that of all pixels of the tile.
+    #[inline(always)]
+    fn all_rows<T: Copy + PartialEq>(
+        &self,
+        values: &[T],
+        start: usize,
+        height: usize,
+        value: T,
+    ) -> bool {
+        let image = self.camera.map().width() as usize;
+        let mut is_same = [true; TILE];
+        for y in 0..height {
+            let row = &values[start + y * image..][..TILE];
+            for x in 0..TILE {
+                is_same[x] &= row[x] == value;
+            }
+        }
+        !is_same.contains(&false)
     }
 }

@@ -39,6 +39,19 @@ pub(crate) fn plane(g: &Geometry, x: f32, y: f32, n: f32, normal: [f32; 3]) -> [
 /// place, has what its horizon leaves of its sky and is nowhere near any blocker.
 #[inline(always)]
 pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) -> Receiver {
+    let (receiver, horizon) = receiver_and_horizon(g, x, y, n, plane);
+    Receiver { sky: horizon.sky(g), ..receiver }
+}
+
+/// The receiver as if its horizon did not cut the light's disc, and the horizon.
+#[inline(always)]
+pub(crate) fn receiver_and_horizon(
+    g: &Geometry,
+    x: f32,
+    y: f32,
+    n: f32,
+    plane: [f32; 4],
+) -> (Receiver, Horizon) {
     let at = |r: &[f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
     let inverse = 1.0 / at(&g.warp[3]);
     let u = at(&g.warp[0]) * inverse;
@@ -51,25 +64,18 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
     let dot =
         |e: &[f32; 4]| ((plane[0] * e[0] + plane[1] * e[1]) + plane[2] * e[2]) + plane[3] * e[3];
     let length = sqrt((plane[0] * plane[0] + plane[1] * plane[1]) + plane[2] * plane[2]);
-    let scale = if dot(&g.camera_eye) < 0.0 { -1.0 } else { 1.0 } / length;
-    let flat = !((scale.abs() > 0.0) & (scale.abs() < f32::INFINITY));
-    let hu = if flat { 0.0 } else { dot(&g.axes[0]) * scale };
-    let hv = if flat { 0.0 } else { dot(&g.axes[1]) * scale };
-    let hn = if flat { 1.0 } else { dot(&g.axes[2]) * scale };
+    let unit = 1.0 / length;
+    let scale = if dot(&g.camera_eye) < 0.0 { -unit } else { unit };
+    let is_flat = !((scale.abs() > 0.0) & (scale.abs() < f32::INFINITY));
+    let hu = if is_flat { 0.0 } else { dot(&g.axes[0]) * scale };
+    let hv = if is_flat { 0.0 } else { dot(&g.axes[1]) * scale };
+    let hn = if is_flat { 1.0 } else { dot(&g.axes[2]) * scale };
     let tolerance = g.bias.constant * (hn.abs() * nearness) + g.bias.slope * (hu.abs() + hv.abs());
     let above = tolerance + (hn * nearness + (hu * u + hv * v));
 
-    // The direction from the light, and the horizon in units of the disc's radius.
-    let tx = (u - g.center[0]) * g.tangent[0];
-    let ty = (v - g.center[1]) * g.tangent[1];
-    let squared = 1.0 + (tx * tx + ty * ty);
-    let depth = if g.perspective { g.unit / nearness } else { 1.0 };
     let height = dot(&g.light_eye) * scale;
-    let sine = height / (depth * sqrt(squared));
-    let cosine = sqrt(if sine * sine < 1.0 { 1.0 - sine * sine } else { 0.0 });
-    let sky = disc_fraction(height / (g.radius * cosine));
-    let sky = if flat { 1.0 } else { sky };
-    Receiver {
+    let horizon = Horizon { u, v, nearness, height, is_flat, is_seen: n > 0.0 };
+    let receiver = Receiver {
         u: if placed { u } else { NOWHERE },
         v: if placed { v } else { NOWHERE },
         nearness: if placed { nearness } else { -NOWHERE },
@@ -77,7 +83,57 @@ pub(crate) fn receiver(g: &Geometry, x: f32, y: f32, n: f32, plane: [f32; 4]) ->
         hv,
         hn,
         above,
-        sky: if n > 0.0 { sky } else { 0.0 },
+        sky: horizon.uncut_sky(),
+    };
+    (receiver, horizon)
+}
+
+/// What a receiver's sky follows from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Horizon {
+    /// The receiver's place, wherever it is.
+    u: f32,
+    v: f32,
+    nearness: f32,
+    /// Of the light's centre above the receiver's plane.
+    height: f32,
+    /// Whether there is no such plane.
+    is_flat: bool,
+    /// Whether the camera sees something.
+    is_seen: bool,
+}
+
+impl Horizon {
+    /// Whether it may cut the light's disc. If not, [`Horizon::sky`] is [`Horizon::uncut_sky`].
+    #[inline(always)]
+    pub fn may_cut(&self, g: &Geometry) -> bool {
+        let height = self.height.abs();
+        // False for NaN. The disc may look smaller than it is, but not larger.
+        let is_apart = (height >= g.radius) & (height < f32::INFINITY);
+        !is_apart & !self.is_flat & self.is_seen
+    }
+
+    /// The fraction of the disc above a horizon that does not cut it.
+    #[inline(always)]
+    fn uncut_sky(&self) -> f32 {
+        let is_below = (self.height < 0.0) & !self.is_flat;
+        if self.is_seen & !is_below { 1.0 } else { 0.0 }
+    }
+
+    /// The fraction of the disc above the horizon; 0 if the camera sees nothing.
+    #[inline(always)]
+    pub fn sky(&self, g: &Geometry) -> f32 {
+        let Horizon { u, v, nearness, height, is_flat, is_seen } = *self;
+        // The direction from the light, and the horizon in units of the disc's radius.
+        let tx = (u - g.center[0]) * g.tangent[0];
+        let ty = (v - g.center[1]) * g.tangent[1];
+        let squared = 1.0 + (tx * tx + ty * ty);
+        let depth = if g.perspective { g.unit / nearness } else { 1.0 };
+        let sine = height / (depth * sqrt(squared));
+        let cosine = sqrt(if sine * sine < 1.0 { 1.0 - sine * sine } else { 0.0 });
+        let sky = disc_fraction(height / (g.radius * cosine));
+        let sky = if is_flat { 1.0 } else { sky };
+        if is_seen { sky } else { 0.0 }
     }
 }
 

@@ -1,10 +1,12 @@
 //! The receivers of one tile, as structures of arrays.
 
+use glam::Vec3;
+
 use super::adaptive::{COUNT, TILE};
 use super::geometry::Geometry;
 use super::groups::Groups;
 use super::kernels::{Ops, Work};
-use super::receiver::{Receiver, plane, receiver};
+use super::receiver::{Horizon, Receiver, plane, receiver_and_horizon};
 
 /// A value per pixel.
 pub(crate) type Lane = [f32; COUNT];
@@ -66,7 +68,7 @@ impl Receivers {
 /// What the camera sees in a tile.
 pub(crate) struct Pixels {
     pub nearness: Lane,
-    /// The planes, or their normals if `planes_are_normals`.
+    /// The planes; of those through the pixels' points only the normals if `planes_are_normals`.
     pub planes: [Lane; 4],
     pub planes_are_normals: bool,
     pub ids: [u32; COUNT],
@@ -78,7 +80,16 @@ impl Pixels {
         Pixels { nearness: zero, planes: [zero; 4], planes_are_normals: true, ids: [0; COUNT] }
     }
 
-    /// Sets the object and the plane, or normal, of a pixel.
+    /// Sets the object and the normal of a pixel.
+    #[inline(always)]
+    pub fn set_normal(&mut self, i: usize, id: u32, normal: Vec3) {
+        self.ids[i] = id;
+        for (lane, value) in self.planes.iter_mut().zip(normal.to_array()) {
+            lane[i] = value;
+        }
+    }
+
+    /// Sets the object and the plane of a pixel.
     #[inline(always)]
     pub fn set_plane(&mut self, i: usize, id: u32, plane: [f32; 4]) {
         self.ids[i] = id;
@@ -86,6 +97,14 @@ impl Pixels {
             lane[i] = value;
         }
     }
+}
+
+/// A tile that shows one plane.
+#[derive(Clone, Copy)]
+pub(crate) struct OnePlane {
+    /// How many pixels show it; all of them see all of the light.
+    pub pixels: usize,
+    pub normal: [f32; 3],
 }
 
 /// Sets the receivers of a tile's pixels, the first of which has its centre at `first`, and their
@@ -96,25 +115,67 @@ pub(crate) struct SetReceivers<'a> {
     pub pixels: &'a Pixels,
     pub receivers: &'a mut Receivers,
     pub groups: &'a mut Groups,
-    /// The number of pixels if they all show one plane and see all of the light.
-    pub one_plane: Option<usize>,
+    /// Then nothing is asked of the pixels but their nearness.
+    pub one_plane: Option<OnePlane>,
 }
 
 impl Work for SetReceivers<'_> {
     #[inline(always)]
-    fn run(self, _: &impl Ops) {
-        let SetReceivers { geometry: g, first: [left, top], pixels, receivers, .. } = self;
-        let [a, b, c, d] = &pixels.planes;
+    fn run(mut self, _: &impl Ops) {
+        if let Some(OnePlane { pixels, normal }) = self.one_plane {
+            self.set_on_plane(normal);
+            self.groups.set_one(pixels);
+        } else {
+            for row in 0..TILE {
+                self.set_row(row);
+            }
+            self.groups.set(self.pixels, self.receivers);
+        }
+    }
+}
+
+impl SetReceivers<'_> {
+    /// Sets receivers that all have this normal and see all of the light.
+    #[inline(always)]
+    fn set_on_plane(&mut self, normal: [f32; 3]) {
         for i in 0..COUNT {
-            let (x, y) = (left + (i % TILE) as f32, top + (i / TILE) as f32);
-            let n = pixels.nearness[i];
-            let through = plane(g, x, y, n, [a[i], b[i], c[i]]);
-            let d = if pixels.planes_are_normals { through[3] } else { d[i] };
-            receivers.set(i, &receiver(g, x, y, n, [a[i], b[i], c[i], d]));
+            let (x, y, n) = self.point(i);
+            let plane = plane(self.geometry, x, y, n, normal);
+            let (receiver, _) = receiver_and_horizon(self.geometry, x, y, n, plane);
+            self.receivers.set(i, &receiver);
         }
-        match self.one_plane {
-            Some(count) => self.groups.set_one(count),
-            None => self.groups.set(pixels, receivers),
+    }
+
+    /// Sets the receivers in a row. Few rows have any whose horizon cuts the disc.
+    #[inline(always)]
+    fn set_row(&mut self, row: usize) {
+        let mut may_cut = [false; TILE];
+        for lane in 0..TILE {
+            let (receiver, horizon) = self.receiver_and_horizon(row * TILE + lane);
+            self.receivers.set(row * TILE + lane, &receiver);
+            may_cut[lane] = horizon.may_cut(self.geometry);
         }
+        if may_cut.contains(&true) {
+            for lane in 0..TILE {
+                let (_, horizon) = self.receiver_and_horizon(row * TILE + lane);
+                self.receivers.sky[row * TILE + lane] = horizon.sky(self.geometry);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn receiver_and_horizon(&self, i: usize) -> (Receiver, Horizon) {
+        let (x, y, n) = self.point(i);
+        let [a, b, c, d] = &self.pixels.planes;
+        let through = plane(self.geometry, x, y, n, [a[i], b[i], c[i]]);
+        let d = if self.pixels.planes_are_normals { through[3] } else { d[i] };
+        receiver_and_horizon(self.geometry, x, y, n, [a[i], b[i], c[i], d])
+    }
+
+    /// The camera's point that a pixel shows.
+    #[inline(always)]
+    fn point(&self, i: usize) -> (f32, f32, f32) {
+        let [left, top] = self.first;
+        (left + (i % TILE) as f32, top + (i / TILE) as f32, self.pixels.nearness[i])
     }
 }

@@ -14,7 +14,7 @@ use super::outlines::{FindOutlines, Outlines};
 use super::planar::{FindPlanar, Planar, Shown};
 use super::planes::Planes;
 use super::reach::Reach;
-use super::soa::{Pixels, Receivers, SetReceivers};
+use super::soa::{OnePlane, Pixels, Receivers, SetReceivers};
 use super::tile_search::SearchTile;
 use crate::{Counters, Found, Visibility};
 
@@ -83,10 +83,19 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         return;
     }
     let Scratch { pixels, receivers, groups, samples, outlines } = scratch;
-    set_pixels(&scene.camera, [left, top], &grid, pixels, counters);
+    set_nearness(&scene.camera, [left, top], &grid, pixels, counters);
+    let one_plane = match whole {
+        Whole::OnePlane(Surface { normal, id }) => {
+            pixels.ids.fill(id);
+            Some(OnePlane { pixels: grid.height * TILE, normal: normal.to_array() })
+        }
+        _ => {
+            set_surfaces(&scene.camera, [left, top], &grid, pixels);
+            None
+        }
+    };
     let first = [left as f32 + 0.5, top as f32 + 0.5];
     let geometry = &scene.geometry;
-    let one_plane = matches!(whole, Whole::OnePlane).then_some(grid.height * TILE);
     let work = SetReceivers { geometry, first, pixels, receivers, groups, one_plane };
     kernels::run(scene.level, work);
     count_outside(&scene.field, receivers, counters);
@@ -146,7 +155,7 @@ enum Whole {
         outside: u32,
     },
     /// It shows one plane, above whose horizon all of the light is.
-    OnePlane,
+    OnePlane(Surface),
     Mixed,
 }
 
@@ -156,7 +165,7 @@ fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole 
     let mut shown = Shown::Other;
     let camera = &scene.camera;
     kernels::run(scene.level, FindPlanar { camera, geometry, pixel, grid, found: &mut shown });
-    let Planar { first, extent } = match shown {
+    let Planar { surface, first, extent } = match shown {
         Shown::Nothing => return Whole::Decided { visible: 0.0, receivers: 0, outside: 0 },
         Shown::Plane(planar) => planar,
         Shown::Other => return Whole::Mixed,
@@ -185,7 +194,7 @@ fn whole<T: Texel>(scene: &Scene<'_, T>, pixel: [u32; 2], grid: &Grid) -> Whole 
     let test = LeafTest::new(geometry, &extent, &Planes::of(&first), size);
     match may_block(scene, test, reach.places) {
         false => lit,
-        true => Whole::OnePlane,
+        true => Whole::OnePlane(surface),
     }
 }
 
@@ -207,8 +216,8 @@ fn count_outside<T: Texel>(field: &Field<'_, T>, receivers: &Receivers, counters
     }
 }
 
-/// Reads what the camera sees. Pixels beyond the image see nothing.
-fn set_pixels(
+/// Reads how near to the camera what it sees is. Pixels beyond the image see nothing.
+fn set_nearness(
     camera: &Camera<'_>,
     [left, top]: [u32; 2],
     grid: &Grid,
@@ -217,40 +226,41 @@ fn set_pixels(
 ) {
     let image = camera.map().width() as usize;
     pixels.nearness = [0.0; COUNT];
-    pixels.planes_are_normals = !matches!(camera.surfaces(), Surfaces::FromDepth);
+    let mut seen = 0;
     for row in 0..grid.height {
         let start = (top as usize + row) * image + left as usize;
-        let pixels_of_row = row * TILE..row * TILE + grid.width;
         let nearness = &camera.map().nearness()[start..][..grid.width];
-        for (pixel, &nearness) in pixels.nearness[pixels_of_row.clone()].iter_mut().zip(nearness) {
+        for (pixel, &nearness) in pixels.nearness[row * TILE..].iter_mut().zip(nearness) {
             // False for NaN.
             let is_seen = nearness > 0.0;
             *pixel = if is_seen { nearness } else { 0.0 };
-            counters.receivers += u32::from(is_seen);
+            seen += u32::from(is_seen);
         }
-        let ids = camera.map().ids();
+    }
+    counters.receivers += seen;
+}
+
+/// Reads which surfaces the camera sees.
+fn set_surfaces(camera: &Camera<'_>, [left, top]: [u32; 2], grid: &Grid, pixels: &mut Pixels) {
+    let image = camera.map().width() as usize;
+    pixels.planes_are_normals = !matches!(camera.surfaces(), Surfaces::FromDepth);
+    let ids = camera.map().ids();
+    for row in 0..grid.height {
+        let start = (top as usize + row) * image + left as usize;
         let id = |i: usize| ids.get(start + i).copied().unwrap_or(0);
-        match camera.surfaces() {
-            Surfaces::FromDepth => {
-                for (i, k) in pixels_of_row.enumerate() {
+        for i in 0..grid.width {
+            let k = row * TILE + i;
+            match camera.surfaces() {
+                Surfaces::FromDepth if pixels.nearness[k] > 0.0 => {
                     let (x, y) = (left + i as u32, top + row as u32);
-                    if pixels.nearness[k] > 0.0 {
-                        let (id, plane) = camera.plane(x, y, pixels.nearness[k]);
-                        pixels.set_plane(k, id, plane.0);
-                    }
+                    let (id, plane) = camera.plane(x, y, pixels.nearness[k]);
+                    pixels.set_plane(k, id, plane.0);
                 }
-            }
-            Surfaces::Normals(normals) => {
-                for (i, k) in pixels_of_row.enumerate() {
-                    let [a, b, c] = normals[start + i].to_array();
-                    pixels.set_plane(k, id(i), [a, b, c, 0.0]);
-                }
-            }
-            Surfaces::Table(table) => {
-                for (i, k) in pixels_of_row.enumerate() {
+                Surfaces::FromDepth => {}
+                Surfaces::Normals(normals) => pixels.set_normal(k, id(i), normals[start + i]),
+                Surfaces::Table(table) => {
                     let surface = table.get(id(i) as usize).unwrap_or(&Surface::UNKNOWN);
-                    let [a, b, c] = surface.normal.to_array();
-                    pixels.set_plane(k, surface.id, [a, b, c, 0.0]);
+                    pixels.set_normal(k, surface.id, surface.normal);
                 }
             }
         }
