@@ -25,7 +25,8 @@
 //!    above the horizon, so it is simply subtracted.
 //! 5. The pyramid over the map bounds how far a search needs to go by the nearest depth in reach, and
 //!    tells where texels may block. Receivers of a tile that share a plane, or an object of many
-//!    planes, share an outline, but for places that look different to some.
+//!    planes, share an outline, but for places that look different to some. Tiles that show the same
+//!    plane share what they find in a cell.
 //! 6. Where neighbouring pixels agree, searches are replaced by interpolation ([`Parameters::group`],
 //!    section 4.3). The horizon never is.
 //!
@@ -36,6 +37,7 @@
 #![allow(clippy::needless_range_loop)]
 
 mod adaptive;
+mod cache;
 mod cell;
 mod disputed;
 mod facing;

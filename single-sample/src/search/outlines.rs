@@ -2,8 +2,10 @@
 
 use simd_search::Pyramid;
 
-use super::cell::outline;
+use super::cache::{Cache, Plane};
+use super::cell::{CELL, outline};
 use super::disputed::Disputed;
+use super::facing::close_to;
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::{GROUPS, Groups};
@@ -88,6 +90,7 @@ pub(crate) struct Outlines {
     /// The cells that look different to some receivers of a group.
     pub disputed: Disputed,
     pub leaves: Leaves,
+    cache: Cache,
 }
 
 impl Outlines {
@@ -98,6 +101,7 @@ impl Outlines {
             cells: List::new(Cell { at: [0; 2], segments: [0; 2] }),
             disputed: Disputed::new(),
             leaves: Leaves::new(),
+            cache: Cache::new(),
         }
     }
 }
@@ -151,61 +155,115 @@ impl<T: Texel> FindOutlines<'_, T> {
         planes: &Planes,
         own: Outline,
     ) -> Option<Outline> {
-        let Outlines { segments, cells, disputed, leaves, .. } = &mut *self.outlines;
-        // The first test passes what blocks some receivers, and the second what blocks all of them.
-        let tests = planes.tests(extent.nearness[1]);
-        let leaf_test =
-            LeafTest::new(self.geometry, extent, planes, [self.field.width, self.field.height]);
-        let start = [segments.len() / LANES, cells.len, disputed.pad()];
+        let (field, pyramid) = (self.field, self.pyramid);
+        let size = [field.width, field.height];
+        let most = extent.nearness[1];
+        let nearer = most + close_to(field.contact, most);
+        let Outlines { segments, cells, disputed, leaves, cache, .. } = &mut *self.outlines;
+        let is_of_use = nearer < reach.greatest;
+        let plane = is_of_use.then(|| cache.plane(planes, size, self.greatest)).flatten();
         let [left, top] = cell_of(extent.u[0], extent.v[0]);
         let [right, bottom] = cell_of(extent.u[1], extent.v[1]);
         let receivers = Places { columns: [left, right + 1], rows: [top, bottom + 1] };
+        // The first test passes what blocks some receivers, and the second what blocks all of them.
+        let tests = planes.tests(most);
+        let leaf_test = LeafTest::new(self.geometry, extent, planes, size);
+        let start = [segments.len() / LANES, cells.len, disputed.pad()];
+        let mut draft = Draft { field, pyramid, receivers, segments, cells, disputed };
         let mut has_leaves = false;
         for part in reach.places.parts() {
-            if !leaves.find(self.pyramid, &leaf_test, part) {
+            if !leaves.find(pyramid, &leaf_test, part) {
                 continue;
             }
             has_leaves = true;
             let mut fits = true;
-            let first_leaf = disputed.len();
+            let first_leaf = draft.disputed.len();
             leaves.take_contested(&part, |at| {
-                fits = fits && disputed.push(self.pyramid, at, first_leaf);
+                fits = fits && draft.disputed.push(pyramid, at, first_leaf);
             });
+            let mut boxes = leaves.boxes(part, if plane.is_some() { CELL as i32 } else { STRIP });
+            while let (true, Some(places)) = (fits, boxes.next()) {
+                if let Some(plane) = &plane
+                    && draft.add_known(ops, cache, plane, nearer, places)
+                {
+                    continue;
+                }
+                let strip = Strip::new(ops, field, &tests, extent, leaves, places);
+                fits = fits && draft.add(&strip, first_leaf);
+            }
             if !fits {
-                segments.pad();
+                draft.segments.pad();
                 return Some(own);
             }
-            for places in leaves.boxes(part, STRIP) {
-                let strip = Strip::new(ops, self.field, &tests, extent, leaves, places);
-                for i in 0..strip.cells() {
-                    let Some((at, [some, all])) = strip.divided(i) else { continue };
-                    let first = segments.len();
-                    let fits = if some != all {
-                        disputed.push(self.pyramid, at, first_leaf)
-                    } else if !segments.has_room(OWN_CELLS) {
-                        false
-                    } else {
-                        outline(self.field, at, &some, segments);
-                        let cell = Cell { at, segments: [first, segments.len()] };
-                        !receivers.hold(at) || cells.push(cell)
-                    };
-                    if !fits {
-                        segments.pad();
-                        return Some(own);
-                    }
-                }
-            }
         }
-        let groups = [start[0], segments.pad()];
+        let groups = [start[0], draft.segments.pad()];
         for group in groups[0]..groups[1] {
-            segments.bound(group);
+            draft.segments.bound(group);
         }
         has_leaves.then_some(Outline {
             is_shared: true,
             groups,
-            cells: [start[1], cells.len],
-            disputed: [start[2], disputed.pad()],
+            cells: [start[1], draft.cells.len],
+            disputed: [start[2], draft.disputed.pad()],
             ..own
         })
+    }
+}
+
+/// The outline of one group as far as it is found.
+struct Draft<'a, T> {
+    field: &'a Field<'a, T>,
+    pyramid: &'a Pyramid<'a>,
+    /// The cells that the receivers lie in, and maybe more.
+    receivers: Places,
+    segments: &'a mut Segments,
+    cells: &'a mut List<Cell, 256>,
+    disputed: &'a mut Disputed,
+}
+
+impl<T: Texel> Draft<'_, T> {
+    /// Adds the cells of a strip; false if there is no room. `first_leaf` is the first disputed one
+    /// that cells may belong to.
+    #[inline(always)]
+    fn add(&mut self, strip: &Strip<2>, first_leaf: usize) -> bool {
+        for i in 0..strip.cells() {
+            let Some((at, [some, all])) = strip.divided(i) else { continue };
+            let fits = if some != all {
+                self.disputed.push(self.pyramid, at, first_leaf)
+            } else if !self.segments.has_room(OWN_CELLS) {
+                false
+            } else {
+                let first = self.segments.len();
+                outline(self.field, at, &some, self.segments);
+                self.note(at, first)
+            };
+            if !fits {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Adds a cell as the cache has it; false if it must be looked at, or there is no room.
+    #[inline(always)]
+    fn add_known(
+        &mut self,
+        ops: &impl Ops,
+        cache: &mut Cache,
+        plane: &Plane,
+        nearer: f32,
+        Places { columns: [x, _], rows: [y, _] }: Places,
+    ) -> bool {
+        let (at, first) = ([x, y], self.segments.len());
+        self.segments.has_room(OWN_CELLS)
+            && cache.add(ops, self.field, plane, at, nearer, self.segments)
+            && self.note(at, first)
+    }
+
+    /// Notes that the segments from `first` on are those of a cell; false if there is no room.
+    #[inline(always)]
+    fn note(&mut self, at: [i32; 2], first: usize) -> bool {
+        let cell = Cell { at, segments: [first, self.segments.len()] };
+        !self.receivers.hold(at) || self.cells.push(cell)
     }
 }

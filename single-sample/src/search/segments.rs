@@ -31,7 +31,7 @@ impl Segment {
 /// in the same few lines of a cache.
 const CAPACITY: usize = 4096 + 48;
 /// The most that one cell adds.
-const CELL_MOST: usize = 128;
+pub(crate) const CELL_MOST: usize = 128;
 /// Segments that are visited at a time.
 pub(crate) const LANES: usize = 16;
 
