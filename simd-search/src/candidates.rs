@@ -224,7 +224,7 @@ impl Descent for Candidates<'_> {
         }
         self.test.place(self.reach, &self.planes, x, y);
         let (map, mut unpacked) = (self.map, [[0.0; COLUMNS]; ROWS]);
-        let rows = map.block(x, y, &mut unpacked);
+        let rows = map.tile(x, y, &mut unpacked);
         let [may, sure] = ops.sift(&self.test, rows);
         if may == sure {
             let sure = self.passing(ops, [x, y], sure);

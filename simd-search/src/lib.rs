@@ -105,6 +105,7 @@ mod greatest;
 mod jitter;
 mod kernels;
 mod leaf;
+mod leaves;
 mod map;
 pub mod naive;
 mod precedence;

@@ -117,27 +117,65 @@ impl Map<'_> {
     #[inline(always)]
     pub(crate) fn with_tile<T>(&self, x: u32, y: u32, work: impl Fn([&Row; ROWS]) -> T) -> T {
         match self {
-            Map::Planar(map) => work(planar_block(map, x, y)),
+            Map::Planar(map) => work(planar_tile(map, x, y)),
             Map::Packed(map) => {
                 let mut unpacked = [[0.0; COLUMNS]; ROWS];
-                work(unpack_block(map, x, y, &mut unpacked))
+                work(unpack_tile(map, x, y, &mut unpacked))
             }
         }
     }
 
-    /// The nearness of as many rows as a tile has, `N` columns of them from texel (x, y) on: those
-    /// of the map itself, or what is put into `unpacked`. They must lie within the map.
+    /// The nearness of the tile whose first texel is (x, y): that of the map itself, or what is put
+    /// into `unpacked`. The tile must lie within the map.
     #[inline(always)]
-    pub(crate) fn block<'b, const N: usize>(
+    pub(crate) fn tile<'b>(
         &'b self,
         x: u32,
         y: u32,
-        unpacked: &'b mut [[f32; N]; ROWS],
-    ) -> [&'b [f32; N]; ROWS] {
+        unpacked: &'b mut [Row; ROWS],
+    ) -> [&'b Row; ROWS] {
         match self {
-            Map::Planar(map) => planar_block(map, x, y),
-            Map::Packed(map) => unpack_block(map, x, y, unpacked),
+            Map::Planar(map) => planar_tile(map, x, y),
+            Map::Packed(map) => unpack_tile(map, x, y, unpacked),
         }
+    }
+
+    /// The rows of up to `N` tiles side by side, as [`Map::tile`]: of `count` of them, and then
+    /// anything.
+    #[inline(always)]
+    pub(crate) fn tiles<'b, const N: usize>(
+        &'b self,
+        x: u32,
+        y: u32,
+        count: usize,
+        copied: &'b mut [[Row; N]; ROWS],
+    ) -> [&'b [Row; N]; ROWS] {
+        let width = self.width() as usize;
+        let start = y as usize * width + x as usize;
+        match self {
+            Map::Planar(map) if count == N => {
+                let mut tiles = [whole(map.nearness(), start); ROWS];
+                for i in 1..ROWS {
+                    tiles[i] = whole(map.nearness(), start + i * width);
+                }
+                return tiles;
+            }
+            Map::Planar(map) => {
+                for (i, copied) in copied.iter_mut().enumerate() {
+                    let row = &map.nearness()[start + i * width..][..count * COLUMNS];
+                    copied.as_flattened_mut()[..row.len()].copy_from_slice(row);
+                }
+            }
+            Map::Packed(map) => {
+                for (i, copied) in copied.iter_mut().enumerate() {
+                    let row = &map.texels()[start + i * width..][..count * COLUMNS];
+                    for (copied, row) in copied.iter_mut().zip(row.as_chunks().0) {
+                        unpack_row(row, copied);
+                    }
+                }
+            }
+        }
+        copied.each_ref()
     }
 
     /// Object IDs of the texels from (x, y) on, as many as a tile has columns. They must lie
@@ -154,7 +192,7 @@ impl Map<'_> {
 }
 
 #[inline(always)]
-fn planar_block<'a, const N: usize>(map: &DepthMap<'a>, x: u32, y: u32) -> [&'a [f32; N]; ROWS] {
+fn planar_tile<'a>(map: &DepthMap<'a>, x: u32, y: u32) -> [&'a Row; ROWS] {
     let width = map.width() as usize;
     let texels = &map.nearness()[y as usize * width + x as usize..];
     // Loops, for closures need not be inlined.
@@ -166,22 +204,30 @@ fn planar_block<'a, const N: usize>(map: &DepthMap<'a>, x: u32, y: u32) -> [&'a 
 }
 
 #[inline(always)]
-fn unpack_block<'b, const N: usize>(
+fn unpack_tile<'b>(
     map: &PackedMap<'_>,
     x: u32,
     y: u32,
-    unpacked: &'b mut [[f32; N]; ROWS],
-) -> [&'b [f32; N]; ROWS] {
+    unpacked: &'b mut [Row; ROWS],
+) -> [&'b Row; ROWS] {
     let width = map.width() as usize;
     let texels = &map.texels()[y as usize * width + x as usize..];
     for i in 0..ROWS {
-        let texels: &[u32; N] = row(texels, i * width);
-        for column in 0..N {
-            unpacked[i][column] = unpack(texels[column]);
-        }
+        unpack_row(row(texels, i * width), &mut unpacked[i]);
     }
-    let [a, b, c, d, e, f, g, h] = unpacked;
-    [a, b, c, d, e, f, g, h]
+    unpacked.each_ref()
+}
+
+#[inline(always)]
+fn unpack_row(texels: &[u32; COLUMNS], unpacked: &mut Row) {
+    for column in 0..COLUMNS {
+        unpacked[column] = unpack(texels[column]);
+    }
+}
+
+#[inline(always)]
+fn whole<const N: usize>(texels: &[f32], start: usize) -> &[Row; N] {
+    texels[start..].as_chunks().0.first_chunk().expect("tiles lie within the map")
 }
 
 #[inline(always)]

@@ -2,9 +2,10 @@
 
 use core::cell::Cell;
 
-use crate::build::{Ranges, Slopes, WideRow};
+use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Ops, scalar};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaves::{Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest, Verdicts};
@@ -76,8 +77,11 @@ impl<K: Ops> Ops for Counted<K> {
         self.nodes.set(self.nodes.get() + LANES as u64);
         self.ops.group(test, boxes, nodes)
     }
-    fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
-        self.ops.leaves(rows, slopes)
+    fn leaves(&self, tiles: &Tiles<'_>, slopes: &Slopes) -> Ranges {
+        self.ops.leaves(tiles, slopes)
+    }
+    fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2] {
+        self.ops.parent(children, family)
     }
     fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
         self.nodes.set(self.nodes.get() + seekers.count as u64);

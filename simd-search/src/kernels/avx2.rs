@@ -35,7 +35,7 @@ impl Vectors for Avx2 {
         larger(a: F, b: F) -> F = _mm256_max_ps(a, b);
         greater(a: F, b: F) -> M = _mm256_cmp_ps::<_CMP_GT_OQ>(a, b);
         at_most(a: F, b: F) -> M = _mm256_cmp_ps::<_CMP_LE_OQ>(a, b);
-        unordered(a: F, b: F) -> M = _mm256_cmp_ps::<_CMP_UNORD_Q>(a, b);
+        ordered(m: M, a: F, b: F) -> M = _mm256_and_ps(m, _mm256_cmp_ps::<_CMP_ORD_Q>(a, b));
         same_bits(a: F, b: u32) -> M =
             _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_set1_epi32(b as i32)));
         both(a: M, b: M) -> M = _mm256_and_ps(a, b);

@@ -51,7 +51,7 @@ impl Vectors for Avx512 {
         larger(a: F, b: F) -> F = _mm512_max_ps(a, b);
         greater(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a, b);
         at_most(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
-        unordered(a: F, b: F) -> M = _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(a, b);
+        ordered(m: M, a: F, b: F) -> M = _mm512_mask_cmp_ps_mask::<_CMP_ORD_Q>(m, a, b);
         same_bits(a: F, b: u32) -> M =
             _mm512_cmpeq_epi32_mask(_mm512_castps_si512(a), _mm512_set1_epi32(b as i32));
         choose(m: M, a: F, b: F) -> F = _mm512_mask_blend_ps(m, b, a);

@@ -1,13 +1,14 @@
-//! The eight operations that searches are made of, at every instruction set, and the door to them.
+//! The nine operations that searches are made of, at every instruction set, and the door to them.
 
 use core::ops::Range;
 
 use shadowmap_core::Level;
 
 use crate::batch::each_in_pyramid;
-use crate::build::{Ranges, Slopes, WideRow, build_leaves, build_upper};
+use crate::build::{Bounds, Family, build_upper};
 use crate::classify::{Verdict, classify};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaves::{Ranges, Slopes, Tiles, build_leaves};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
 use crate::reach::{Boxes, GroupTest, Reach, Verdicts};
@@ -19,6 +20,12 @@ use crate::{Hit, IdTest, Map, Query};
 mod avx2;
 #[cfg(target_feature = "sse2")]
 mod avx512;
+#[cfg(any(
+    target_feature = "sse2",
+    all(target_arch = "aarch64", target_endian = "little"),
+    all(target_arch = "wasm32", target_feature = "simd128"),
+))]
+mod bounds;
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 mod neon;
 #[cfg(any(
@@ -41,7 +48,7 @@ mod vectors;
 
 /// What the algorithms, written once, ask of an instruction set.
 ///
-/// Each instruction set makes one [`Kernels`] of eight closures inside a function with its target
+/// Each instruction set makes one [`Kernels`] of nine closures inside a function with its target
 /// features: closures have the features of the function they are made in, and everything between
 /// is `#[inline(always)]`.
 pub(crate) trait Ops {
@@ -56,7 +63,9 @@ pub(crate) trait Ops {
     fn group(&self, test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts;
     /// The ranges of the texels of leaves side by side, minus planes with the given slopes through
     /// their centres.
-    fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges;
+    fn leaves(&self, tiles: &Tiles<'_>, slopes: &Slopes) -> Ranges;
+    /// Bounds of a node with each of [`Family::slopes`].
+    fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2];
     /// The receivers that a leaf may hold the answer for by its bounds, bit i for receiver i.
     fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64;
     /// Those of the receivers in `lanes` that texels of a leaf may be the answer for, and the texels'
@@ -73,25 +82,27 @@ pub(crate) trait Ops {
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool);
 }
 
-/// [`Ops`] of eight closures.
-pub(crate) struct Kernels<T, S, E, G, L, C, M, A> {
+/// [`Ops`] of nine closures.
+pub(crate) struct Kernels<T, S, E, G, L, P, C, M, A> {
     pub tile: T,
     pub sift: S,
     pub equal: E,
     pub group: G,
     pub leaves: L,
+    pub parent: P,
     pub concerned: C,
     pub matters: M,
     pub ask: A,
 }
 
-impl<T, S, E, G, L, C, M, A> Ops for Kernels<T, S, E, G, L, C, M, A>
+impl<T, S, E, G, L, P, C, M, A> Ops for Kernels<T, S, E, G, L, P, C, M, A>
 where
     T: Fn(&TileTest, [&Row; ROWS]) -> u128,
     S: Fn(&SiftTest, [&Row; ROWS]) -> [u128; 2],
     E: Fn(&[u32; LANES], u32) -> u32,
     G: Fn(&GroupTest, &Boxes, &NodeGroup) -> Verdicts,
-    L: Fn(&[&WideRow; ROWS], &Slopes) -> Ranges,
+    L: Fn(&Tiles<'_>, &Slopes) -> Ranges,
+    P: Fn(&NodeGroup, &Family) -> [Bounds; 2],
     C: Fn(&Leaf, &Seekers, bool) -> u64,
     M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> Matter,
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
@@ -113,8 +124,12 @@ where
         (self.group)(test, boxes, nodes)
     }
     #[inline(always)]
-    fn leaves(&self, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
-        (self.leaves)(rows, slopes)
+    fn leaves(&self, tiles: &Tiles<'_>, slopes: &Slopes) -> Ranges {
+        (self.leaves)(tiles, slopes)
+    }
+    #[inline(always)]
+    fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2] {
+        (self.parent)(children, family)
     }
     #[inline(always)]
     fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
@@ -195,7 +210,7 @@ impl Job<'_> {
                 build_leaves(ops, map, nodes, ids, columns, rows);
             }
             Job::Upper { layout, nodes, ids, columns, rows } => {
-                build_upper(layout, nodes, ids, columns, rows);
+                build_upper(ops, layout, nodes, ids, columns, rows);
             }
         }
     }

@@ -32,7 +32,7 @@ impl Vectors for Neon {
         larger(a: F, b: F) -> F = vbslq_f32(vcgtq_f32(a, b), a, b);
         greater(a: F, b: F) -> M = vcgtq_f32(a, b);
         at_most(a: F, b: F) -> M = vcleq_f32(a, b);
-        unordered(a: F, b: F) -> M = vmvnq_u32(vandq_u32(vceqq_f32(a, a), vceqq_f32(b, b)));
+        ordered(m: M, a: F, b: F) -> M = vandq_u32(m, vandq_u32(vceqq_f32(a, a), vceqq_f32(b, b)));
         same_bits(a: F, b: u32) -> M = vceqq_u32(vreinterpretq_u32_f32(a), vdupq_n_u32(b));
         both(a: M, b: M) -> M = vandq_u32(a, b);
         either(a: M, b: M) -> M = vorrq_u32(a, b);

@@ -1,8 +1,9 @@
 //! The kernels in plain Rust: what all others must equal bit for bit.
 
-use crate::build::{FIRST, Ranges, SIDE_BY_SIDE, Slopes, WideRow};
+use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Kernels, Ops};
 use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaves::{FIRST, Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest, Verdicts};
@@ -16,7 +17,7 @@ pub(crate) fn run(job: Job<'_>) {
 /// The kernels themselves.
 #[inline(always)]
 pub(crate) fn kernels() -> impl Ops {
-    Kernels { tile, sift, equal, group, leaves, concerned, matters, ask }
+    Kernels { tile, sift, equal, group, leaves, parent, concerned, matters, ask }
 }
 
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
@@ -107,28 +108,44 @@ fn group(test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup) -> Verdicts {
     verdicts
 }
 
-fn leaves(rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
-    let mut ranges = Ranges::NONE;
-    for leaf in 0..SIDE_BY_SIDE {
-        let (slope_x, slope_y) = (slopes[0][leaf], slopes[1][leaf]);
-        let mut nan = false;
+fn leaves(tiles: &Tiles<'_>, slopes: &Slopes) -> Ranges {
+    let mut ranges = Ranges::default();
+    for leaf in 0..tiles.count {
+        let [mut low, mut high] = [f32::INFINITY, f32::NEG_INFINITY];
         for column in 0..COLUMNS {
-            let rise = slope_x * (FIRST[0] + column as f32);
-            let (mut upper, mut lower) = (rise - slope_y * 0.5, rise + slope_y * 0.5);
-            let texel = |row: usize| rows[row][leaf * COLUMNS + column];
+            let rise = slopes.x[leaf] * (FIRST[0] + column as f32);
+            let texel = |row: usize| tiles.rows[row][leaf][column];
             for i in 0..ROWS / 2 {
                 let (above, below) = (texel(ROWS / 2 - 1 - i), texel(ROWS / 2 + i));
-                ranges.add(leaf, above - upper);
-                ranges.add(leaf, below - lower);
-                nan |= above.is_nan() || below.is_nan();
-                (upper, lower) = (upper - slope_y, lower + slope_y);
+                let down = slopes.down[i][leaf];
+                for flat in [above + down, below - down] {
+                    let height = flat - rise;
+                    low = if height < low { height } else { low };
+                    high = if height > high { height } else { high };
+                    ranges.unknown |= u32::from(height.is_nan()) << leaf;
+                }
             }
         }
-        if nan {
-            ranges.low[leaf] = f32::NEG_INFINITY;
-        }
+        (ranges.low[leaf], ranges.high[leaf]) = (low, high);
     }
     ranges
+}
+
+fn parent(children: &NodeGroup, family: &Family) -> [Bounds; 2] {
+    Family::slopes(children).map(|slope| {
+        let mut bounds = Bounds { slope, ..Bounds::NONE };
+        for i in 0..LANES {
+            let plane = slope[0] * family.x[i] + slope[1] * family.y[i];
+            let steeper_x = (children.slope_x[i] - slope[0]).abs();
+            let steeper_y = (children.slope_y[i] - slope[1]).abs();
+            let spread = steeper_x * family.half[0] + steeper_y * family.half[1];
+            let low = (children.low[i] - spread) - plane;
+            let high = (children.high[i] + spread) - plane;
+            bounds.low = if low < bounds.low { low } else { bounds.low };
+            bounds.high = if high > bounds.high { high } else { bounds.high };
+        }
+        bounds
+    })
 }
 
 fn concerned(leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {

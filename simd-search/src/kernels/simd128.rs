@@ -32,7 +32,7 @@ impl Vectors for Simd128 {
         larger(a: F, b: F) -> F = f32x4_pmax(b, a);
         greater(a: F, b: F) -> M = f32x4_gt(a, b);
         at_most(a: F, b: F) -> M = f32x4_le(a, b);
-        unordered(a: F, b: F) -> M = v128_or(f32x4_ne(a, a), f32x4_ne(b, b));
+        ordered(m: M, a: F, b: F) -> M = v128_and(m, v128_and(f32x4_eq(a, a), f32x4_eq(b, b)));
         same_bits(a: F, b: u32) -> M = u32x4_eq(a, u32x4_splat(b));
         both(a: M, b: M) -> M = v128_and(a, b);
         either(a: M, b: M) -> M = v128_or(a, b);

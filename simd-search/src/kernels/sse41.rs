@@ -35,7 +35,7 @@ impl Vectors for Sse41 {
         larger(a: F, b: F) -> F = _mm_max_ps(a, b);
         greater(a: F, b: F) -> M = _mm_cmpgt_ps(a, b);
         at_most(a: F, b: F) -> M = _mm_cmple_ps(a, b);
-        unordered(a: F, b: F) -> M = _mm_cmpunord_ps(a, b);
+        ordered(m: M, a: F, b: F) -> M = _mm_and_ps(m, _mm_cmpord_ps(a, b));
         same_bits(a: F, b: u32) -> M =
             _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_castps_si128(a), _mm_set1_epi32(b as i32)));
         both(a: M, b: M) -> M = _mm_and_ps(a, b);

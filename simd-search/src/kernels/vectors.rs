@@ -7,7 +7,6 @@ use core::mem::size_of;
 
 use bytemuck::{AnyBitPattern, NoUninit, bytes_of, cast_slice, pod_read_unaligned};
 
-use crate::build::{FIRST, Ranges, SIDE_BY_SIDE, Slopes, WideRow};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
 use crate::reach::{Boxes, GroupTest, Verdicts};
@@ -38,8 +37,8 @@ pub(crate) trait Vectors: Copy {
     fn greater(self, a: Self::F, b: Self::F) -> Self::M;
     /// `a <= b`.
     fn at_most(self, a: Self::F, b: Self::F) -> Self::M;
-    /// Whether one of them is a NaN.
-    fn unordered(self, a: Self::F, b: Self::F) -> Self::M;
+    /// `m`, and neither of `a` and `b` is a NaN.
+    fn ordered(self, m: Self::M, a: Self::F, b: Self::F) -> Self::M;
     /// Whether the bits are those of an integer.
     fn same_bits(self, a: Self::F, b: u32) -> Self::M;
     fn both(self, a: Self::M, b: Self::M) -> Self::M;
@@ -109,9 +108,10 @@ pub(crate) use operations;
 /// they then have.
 macro_rules! kernels {
     ($v:ident) => {{
-        use crate::build::{Slopes, WideRow};
-        use crate::kernels::{receivers, vectors};
+        use crate::build::Family;
+        use crate::kernels::{bounds, receivers, vectors};
         use crate::leaf::{Candidate, Leaf, SiftTest};
+        use crate::leaves::{Slopes, Tiles};
         use crate::map::{ROWS, Row};
         use crate::pyramid::{LANES, NodeGroup};
         use crate::reach::{Boxes, GroupTest};
@@ -125,7 +125,8 @@ macro_rules! kernels {
             group: |test: &GroupTest, boxes: &Boxes, nodes: &NodeGroup| {
                 vectors::group($v, test, boxes, nodes)
             },
-            leaves: |rows: &[&WideRow; ROWS], slopes: &Slopes| vectors::leaves($v, rows, slopes),
+            leaves: |tiles: &Tiles<'_>, slopes: &Slopes| bounds::leaves($v, tiles, slopes),
+            parent: |children: &NodeGroup, family: &Family| bounds::parent($v, children, family),
             concerned: |leaf: &Leaf, seekers: &Seekers, lit: bool| {
                 receivers::concerned($v, leaf, seekers, lit)
             },
@@ -299,41 +300,4 @@ pub(crate) fn group<V: Vectors>(
         verdicts.may_be_lit |= near & !above;
     }
     verdicts
-}
-
-/// [`super::Ops::leaves`].
-#[inline(always)]
-pub(crate) fn leaves<V: Vectors>(v: V, rows: &[&WideRow; ROWS], slopes: &Slopes) -> Ranges {
-    let mut low = [v.all(f32::INFINITY); SIDE_BY_SIDE];
-    let mut high = [v.all(f32::NEG_INFINITY); SIDE_BY_SIDE];
-    let mut nan = [0; SIDE_BY_SIDE];
-    for leaf in 0..SIDE_BY_SIDE {
-        let [slope_x, slope_y] = [v.all(slopes[0][leaf]), v.all(slopes[1][leaf])];
-        let (mut least, mut most) = (low[leaf], high[leaf]);
-        let mut unordered = v.unordered(v.all(0.0), v.all(0.0));
-        for part in 0..parts::<V>() {
-            let first = leaf * COLUMNS + part * width::<V>();
-            let x = v.add(v.all(FIRST[0]), load::<V, _>(&LANE, part));
-            let rise = v.mul(slope_x, x);
-            // The plane in the two rows beside the centre, from there on upwards and downwards.
-            let half = v.mul(slope_y, v.all(0.5));
-            let (mut upper, mut lower) = (v.sub(rise, half), v.add(rise, half));
-            for i in 0..ROWS / 2 {
-                let above = vector::<V, _>(&rows[ROWS / 2 - 1 - i][first..]);
-                let below = vector::<V, _>(&rows[ROWS / 2 + i][first..]);
-                unordered = v.either(unordered, v.unordered(above, below));
-                // Of a NaN and a number, these take the number.
-                let [above, below] = [v.sub(above, upper), v.sub(below, lower)];
-                least = v.smaller(below, v.smaller(above, least));
-                most = v.larger(below, v.larger(above, most));
-                (upper, lower) = (v.sub(upper, slope_y), v.add(lower, slope_y));
-            }
-        }
-        (low[leaf], high[leaf], nan[leaf]) = (least, most, v.bits(unordered));
-    }
-    let mut low = v.least_of_each(low);
-    for leaf in 0..SIDE_BY_SIDE {
-        low[leaf] = if nan[leaf] == 0 { low[leaf] } else { f32::NEG_INFINITY };
-    }
-    Ranges { low, high: v.greatest_of_each(high) }
 }
