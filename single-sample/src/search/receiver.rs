@@ -67,9 +67,11 @@ pub(crate) fn receiver_and_horizon(
     let unit = 1.0 / length;
     let scale = if dot(&g.camera_eye) < 0.0 { -unit } else { unit };
     let is_flat = !((scale.abs() > 0.0) & (scale.abs() < f32::INFINITY));
-    let hu = if is_flat { 0.0 } else { dot(&g.axes[0]) * scale };
-    let hv = if is_flat { 0.0 } else { dot(&g.axes[1]) * scale };
-    let hn = if is_flat { 1.0 } else { dot(&g.axes[2]) * scale };
+    // Of all lanes: what only some of them load is gathered.
+    let [hu, hv, hn] = [dot(&g.axes[0]) * scale, dot(&g.axes[1]) * scale, dot(&g.axes[2]) * scale];
+    let hu = if is_flat { 0.0 } else { hu };
+    let hv = if is_flat { 0.0 } else { hv };
+    let hn = if is_flat { 1.0 } else { hn };
     let tolerance = g.bias.constant * (hn.abs() * nearness) + g.bias.slope * (hu.abs() + hv.abs());
     let above = tolerance + (hn * nearness + (hu * u + hv * v));
 
