@@ -23,7 +23,7 @@ const PLANES: usize = 8;
 /// The place of new ones among them.
 const NEW: usize = 4;
 /// What no more tiles than this show is not worth being kept.
-const FEW: u32 = if cfg!(test) { 0 } else { 3 };
+const FEW: u32 = if cfg!(test) { 0 } else { 4 };
 
 /// A plane's room for the rounding of the receivers' own, relative to the greatest of what is added up
 /// to compare a texel with it: less would take tiles far from each other for different planes, and

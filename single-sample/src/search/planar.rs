@@ -6,7 +6,7 @@ use super::adaptive::{Grid, TILE};
 use super::geometry::Geometry;
 use super::kernels::{Ops, Work};
 use super::reach::Extent;
-use super::receiver::{Receiver, plane, receiver};
+use super::receiver::{Place, Receiver, plane, receiver};
 
 /// How much nearness may differ from the plane, relatively.
 const FLAT: f32 = 1.0 / 131072.0;
@@ -74,7 +74,6 @@ impl FindPlanar<'_> {
             return None;
         }
         let surface = self.surface(start, height)?;
-        let normal = surface.normal.to_array();
 
         // Nearness is affine in the image on a plane.
         let first = nearness(0, 0);
@@ -93,20 +92,23 @@ impl FindPlanar<'_> {
         if is_flat.contains(&false) {
             return None;
         }
-        let mut extent = Extent::EMPTY;
-        let at = |x: usize, y: usize| {
+        let point = |x: usize, y: usize| {
             let (px, py) = ((left as usize + x) as f32 + 0.5, (top as usize + y) as f32 + 0.5);
-            let n = nearness(x, y);
-            receiver(self.geometry, px, py, n, plane(self.geometry, px, py, n, normal))
+            (px, py, nearness(x, y))
         };
-        let corners = [at(0, 0), at(last_x, 0), at(0, last_y), at(last_x, last_y)];
-        for corner in &corners {
-            if !corner.is_somewhere() {
+        let mut extent = Extent::EMPTY;
+        for corner in [[0, 0], [last_x, 0], [0, last_y], [last_x, last_y]] {
+            let (x, y, n) = point(corner[0], corner[1]);
+            let Place { u, v, nearness, is_somewhere } = Place::of(self.geometry, x, y, n);
+            if !is_somewhere {
                 return None;
             }
-            extent.add(corner.u, corner.v, corner.nearness);
+            extent.add(u, v, nearness);
         }
-        Some(Planar { surface, first: corners[0], extent })
+        let (x, y, n) = point(0, 0);
+        let plane = plane(self.geometry, x, y, n, surface.normal.to_array());
+        let first = receiver(self.geometry, x, y, n, plane);
+        Some(Planar { surface, first, extent })
     }
 
     /// The surface of all pixels of the tile.

@@ -33,6 +33,30 @@ pub(crate) fn plane(g: &Geometry, x: f32, y: f32, n: f32, normal: [f32; 3]) -> [
     [normal[0], normal[1], normal[2], -(d / pw)]
 }
 
+/// The camera's point (x, y, n) in the light's texel space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub u: f32,
+    pub v: f32,
+    pub nearness: f32,
+    /// False for what lies behind the light's view or has no finite place.
+    pub is_somewhere: bool,
+}
+
+impl Place {
+    #[inline(always)]
+    pub fn of(g: &Geometry, x: f32, y: f32, n: f32) -> Place {
+        let at = |r: &[f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
+        let inverse = 1.0 / at(&g.warp[3]);
+        let u = at(&g.warp[0]) * inverse;
+        let v = at(&g.warp[1]) * inverse;
+        let nearness = at(&g.warp[2]) * inverse;
+        let is_finite = (u.abs() < -NOWHERE) & (v.abs() < -NOWHERE) & (nearness.abs() < -NOWHERE);
+        // False for NaN.
+        Place { u, v, nearness, is_somewhere: (inverse > 0.0) & is_finite }
+    }
+}
+
 /// The receiver at the camera's point (x, y, n) with that plane in world space, of any length.
 ///
 /// Where the camera sees nothing its sky is 0; what lies behind the light's view, or has no finite
@@ -52,15 +76,8 @@ pub(crate) fn receiver_and_horizon(
     n: f32,
     plane: [f32; 4],
 ) -> (Receiver, Horizon) {
-    let at = |r: &[f32; 4]| ((r[0] * x + r[1] * y) + r[2] * n) + r[3];
-    let inverse = 1.0 / at(&g.warp[3]);
-    let u = at(&g.warp[0]) * inverse;
-    let v = at(&g.warp[1]) * inverse;
-    let nearness = at(&g.warp[2]) * inverse;
-    // False for NaN.
-    let placed =
-        (inverse > 0.0) & (u.abs() < -NOWHERE) & (v.abs() < -NOWHERE) & (nearness.abs() < -NOWHERE);
-
+    let place = Place::of(g, x, y, n);
+    let Place { u, v, nearness, is_somewhere } = place;
     let dot =
         |e: &[f32; 4]| ((plane[0] * e[0] + plane[1] * e[1]) + plane[2] * e[2]) + plane[3] * e[3];
     let length = sqrt((plane[0] * plane[0] + plane[1] * plane[1]) + plane[2] * plane[2]);
@@ -76,11 +93,11 @@ pub(crate) fn receiver_and_horizon(
     let above = tolerance + (hn * nearness + (hu * u + hv * v));
 
     let height = dot(&g.light_eye) * scale;
-    let horizon = Horizon { u, v, nearness, height, is_flat, is_seen: n > 0.0 };
+    let horizon = Horizon { place, height, is_flat, is_seen: n > 0.0 };
     let receiver = Receiver {
-        u: if placed { u } else { NOWHERE },
-        v: if placed { v } else { NOWHERE },
-        nearness: if placed { nearness } else { -NOWHERE },
+        u: if is_somewhere { u } else { NOWHERE },
+        v: if is_somewhere { v } else { NOWHERE },
+        nearness: if is_somewhere { nearness } else { -NOWHERE },
         hu,
         hv,
         hn,
@@ -94,9 +111,7 @@ pub(crate) fn receiver_and_horizon(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Horizon {
     /// The receiver's place, wherever it is.
-    u: f32,
-    v: f32,
-    nearness: f32,
+    place: Place,
     /// Of the light's centre above the receiver's plane.
     height: f32,
     /// Whether there is no such plane.
@@ -125,7 +140,7 @@ impl Horizon {
     /// The fraction of the disc above the horizon; 0 if the camera sees nothing.
     #[inline(always)]
     pub fn sky(&self, g: &Geometry) -> f32 {
-        let Horizon { u, v, nearness, height, is_flat, is_seen } = *self;
+        let Horizon { place: Place { u, v, nearness, .. }, height, is_flat, is_seen } = *self;
         // The direction from the light, and the horizon in units of the disc's radius.
         let tx = (u - g.center[0]) * g.tangent[0];
         let ty = (v - g.center[1]) * g.tangent[1];
@@ -140,12 +155,6 @@ impl Horizon {
 }
 
 impl Receiver {
-    /// Whether it has a place in the light's view.
-    #[inline(always)]
-    pub fn is_somewhere(&self) -> bool {
-        self.u > NOWHERE
-    }
-
     /// Whether a texel with centre (s, t) blocks part of what this receiver could see.
     #[inline(always)]
     pub fn is_blocked_by(&self, s: f32, t: f32, nearness: f32) -> bool {
