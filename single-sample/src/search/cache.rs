@@ -133,11 +133,15 @@ impl Cache {
         at: [i32; 2],
         segments: &mut Segments,
     ) -> Known {
-        let unclear = Known { at, plane: plane.number, least: f32::NEG_INFINITY, segments: [0; 2] };
+        let known =
+            |least: f32, segments: [u16; 2]| Known { at, plane: plane.number, least, segments };
         let some = cell_bits(ops, field, &plane.test(-plane.room), None, at);
+        if some == CellBits::default() {
+            return known(f32::INFINITY, [0; 2]);
+        }
         let all = cell_bits(ops, field, &plane.test(plane.room), None, at);
         if some != all {
-            return unclear;
+            return known(f32::NEG_INFINITY, [0; 2]);
         }
         let start = segments.len();
         outline(field, at, &all, segments);
@@ -152,8 +156,7 @@ impl Cache {
         }
         segments.truncate(start);
         self.len += count;
-        let segments = [first as u16, self.len as u16];
-        Known { least: least(field, at, &all), segments, ..unclear }
+        known(least(field, at, &all), [first as u16, self.len as u16])
     }
 }
 

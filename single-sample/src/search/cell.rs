@@ -166,10 +166,9 @@ impl<T: Texel> Cell<'_, T> {
         square: &Square<SIZE>,
         segments: &mut Segments,
     ) -> bool {
-        if square.count == 0 || square.count as usize == (SIZE + 1) * (SIZE + 1) {
-            return true;
-        }
-        let Some([enter, leave]) = square.crossings() else { return false };
+        let Some([enter, leave]) = square.crossings() else {
+            return square.count == 0 || square.count as usize == (SIZE + 1) * (SIZE + 1);
+        };
         let len = Square::<SIZE>::RING;
         let before = |i: usize| if i == 0 { len - 1 } else { i - 1 };
         let near = [self.nearness(square.texel(enter)), self.nearness(square.texel(before(leave)))];
