@@ -1,7 +1,12 @@
 //! Adaptive sampling (Brabec and Seidel 2002, section 4.3), within one tile of the image.
 //!
 //! Unlike in the paper, not only the keys of a group's pixels decide whether it is interpolated, but
-//! also the values: those of the ends, and where these differ, that of the middle.
+//! also the values: those of the ends, and where these differ, that of the middle. And where a group
+//! is longer than the discs of its ends are wide, a whole penumbra may lie between them: there the
+//! middle is asked for in any case.
+
+use super::soa::Receivers;
+use crate::math::sqrt;
 
 /// Pixels along each side of a tile.
 pub(crate) const TILE: usize = 16;
@@ -20,6 +25,9 @@ pub(crate) struct Samples {
     /// [`NO_KEY`] for those whose value does not matter.
     pub keys: [u32; COUNT],
     pub values: [f32; COUNT],
+    /// A radius in texels which the light's disc has at least at any blocker that may hide part of
+    /// it, from there or from the pixels that were interpolated.
+    pub discs: [f32; COUNT],
     wanted: [u8; COUNT],
     wanted_len: usize,
     known: Bits,
@@ -70,11 +78,28 @@ impl Grid {
     }
 }
 
+/// When a group is interpolated without a look at its middle.
+struct Rule<'a> {
+    tolerance: f32,
+    receivers: &'a Receivers,
+}
+
+impl Rule<'_> {
+    /// Texels from one pixel's place in the map to another's.
+    #[inline(always)]
+    fn distance(&self, first: usize, last: usize) -> f32 {
+        let Receivers { u, v, .. } = self.receivers;
+        let (du, dv) = (u[last] - u[first], v[last] - v[first]);
+        sqrt(du * du + dv * dv)
+    }
+}
+
 impl Samples {
     pub const fn new() -> Samples {
         Samples {
             keys: [NO_KEY; COUNT],
             values: [0.0; COUNT],
+            discs: [f32::INFINITY; COUNT],
             wanted: [0; COUNT],
             wanted_len: 0,
             known: [0; TILE],
@@ -97,6 +122,7 @@ impl Samples {
         self.compare_keys();
         (self.known, self.searched) = ([0; TILE], [0; TILE]);
         self.values = [0.0; COUNT];
+        self.discs = [f32::INFINITY; COUNT];
         self.wanted_len = 0;
         self.open_len = 0;
         let mut x = 0;
@@ -118,19 +144,20 @@ impl Samples {
 
     /// Interpolates what the pixels searched so far allow, and asks for the middles of the other
     /// groups. False once there are none; columns and rows each end that way.
-    pub fn refine(&mut self, grid: &Grid) -> bool {
+    pub fn refine(&mut self, grid: &Grid, receivers: &Receivers) -> bool {
         self.wanted_len = 0;
         let count = self.open_len;
         if count == 0 {
             return false;
         }
+        let rule = Rule { tolerance: grid.tolerance, receivers };
         let side = self.side;
         (self.side, self.open_len) = (1 - side, 0);
         for i in 0..count {
             let group = self.open[side][i];
             match group.step {
-                1 => self.settle::<1>(group, grid.tolerance),
-                _ => self.settle::<TILE>(group, grid.tolerance),
+                1 => self.settle::<1>(group, &rule),
+                _ => self.settle::<TILE>(group, &rule),
             }
         }
         true
@@ -138,36 +165,40 @@ impl Samples {
 
     /// Interpolates a group or asks for its middle; once that is known, looks at both halves.
     #[inline(always)]
-    fn settle<const STEP: usize>(&mut self, group: Group, tolerance: f32) {
+    fn settle<const STEP: usize>(&mut self, group: Group, rule: &Rule<'_>) {
         let (first, last) = (usize::from(group.first), usize::from(group.last));
         let length = (last - first) / STEP;
         if !group.is_halved {
-            return self.halve::<STEP>(first, last, false, tolerance);
+            return self.halve::<STEP>(first, last, false, rule);
         }
         let middle = first + length / 2 * STEP;
         let [start, between, stop] = [first, middle, last].map(|pixel| self.values[pixel]);
         let straight = start + (stop - start) / length as f32 * (length / 2) as f32;
         let is_straight =
-            (between - straight).abs() <= tolerance * BEND && self.agrees::<STEP>(first, length);
-        self.halve::<STEP>(first, middle, is_straight, tolerance);
-        self.halve::<STEP>(middle, last, is_straight, tolerance);
+            (between - straight).abs() <= rule.tolerance * BEND && self.agrees::<STEP>(first, length);
+        self.halve::<STEP>(first, middle, is_straight, rule);
+        self.halve::<STEP>(middle, last, is_straight, rule);
     }
 
-    /// Interpolates between two pixels if that is known to be `fine` or their values are close, else
-    /// asks for the one in their middle.
+    /// Interpolates between two pixels if that is known to be `fine` or their values are close and
+    /// nothing fits between them, else asks for the one in their middle.
     #[inline(always)]
-    fn halve<const STEP: usize>(&mut self, first: usize, last: usize, fine: bool, tolerance: f32) {
+    fn halve<const STEP: usize>(&mut self, first: usize, last: usize, fine: bool, rule: &Rule<'_>) {
         let length = (last - first) / STEP;
         if length <= 1 {
             return;
         }
         let (start, stop) = (self.values[first], self.values[last]);
-        let is_close = (stop - start).abs() <= tolerance && self.agrees::<STEP>(first, length);
+        let disc = self.discs[first].min(self.discs[last]);
+        let is_close = (stop - start).abs() <= rule.tolerance
+            && self.agrees::<STEP>(first, length)
+            && disc >= rule.distance(first, last);
         if fine | is_close {
             let slope = (stop - start) / length as f32;
             for i in 1..length {
                 let pixel = first + i * STEP;
                 self.values[pixel] = start + slope * i as f32;
+                self.discs[pixel] = disc;
                 self.known[pixel / TILE] |= 1 << (pixel % TILE);
             }
         } else {

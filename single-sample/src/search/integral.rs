@@ -78,26 +78,48 @@ pub(crate) fn contribution(r: &Seen, segment: &Segment) -> i32 {
     (signed + ROUND).to_bits().wrapping_sub(ROUND.to_bits()) as i32
 }
 
-/// The sum over whole groups of segments, for one receiver. If they are `bounded`, those out of reach
-/// are passed over.
+/// Adds what each segment of a group contributes.
 #[inline(always)]
-pub(crate) fn sum(
+fn add_group(sums: &mut [i32; LANES], receiver: &Seen, segments: &Segments, group: usize) {
+    let group = segments.group(group);
+    for i in 0..LANES {
+        sums[i] = sums[i].wrapping_add(contribution(receiver, &group.get(i)));
+    }
+}
+
+#[inline(always)]
+fn total(sums: &[i32; LANES]) -> i32 {
+    sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
+}
+
+/// The sum over whole groups of segments, for one receiver.
+#[inline(always)]
+pub(crate) fn sum(receiver: &Seen, segments: &Segments, groups: Range<usize>) -> i32 {
+    let mut sums = [0_i32; LANES];
+    for group in groups {
+        add_group(&mut sums, receiver, segments, group);
+    }
+    total(&sums)
+}
+
+/// The same over those groups that are in reach, of which the bounds must be known. And a radius in
+/// texels which the disc has at least at any blocker there.
+#[inline(always)]
+pub(crate) fn sum_in_reach(
     receiver: &Seen,
     segments: &Segments,
     groups: Range<usize>,
-    bounded: bool,
-) -> i32 {
+) -> (i32, f32) {
     let mut sums = [0_i32; LANES];
+    let mut least = f32::INFINITY;
     for group in groups {
-        if bounded && !segments.bounds(group).are_in_reach(receiver) {
-            continue;
-        }
-        let group = segments.group(group);
-        for i in 0..LANES {
-            sums[i] = sums[i].wrapping_add(contribution(receiver, &group.get(i)));
+        let bounds = segments.bounds(group);
+        if bounds.are_in_reach(receiver) {
+            least = if bounds.nearness[0] < least { bounds.nearness[0] } else { least };
+            add_group(&mut sums, receiver, segments, group);
         }
     }
-    sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
+    (total(&sums), receiver.reach * (least - receiver.nearness))
 }
 
 /// The first texel of the cell that a receiver lies in.

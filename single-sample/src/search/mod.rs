@@ -86,7 +86,8 @@ pub struct Parameters {
     pub group: u32,
     /// The greatest difference of visibility between the ends of an interpolated group; and twice
     /// what its middle, once searched, may differ from the mean of the ends for both halves to be
-    /// interpolated all the same. The paper has no such limit: 1.
+    /// interpolated all the same. The paper has no such limit: 1. Where blockers are so close that a
+    /// penumbra is narrower than the group, its middle is searched whatever the ends are.
     pub tolerance: f32,
     /// Tolerance of the depth comparisons.
     pub bias: Bias,

@@ -43,19 +43,19 @@ pub(crate) struct Segments {
     bounds: [Bounds; CAPACITY / LANES],
 }
 
-/// Where a group of segments lies, and the nearest of their blockers.
+/// Where a group of segments and their blockers lie.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     u: [f32; 2],
     v: [f32; 2],
-    nearness: f32,
+    pub nearness: [f32; 2],
 }
 
 impl Bounds {
     const EMPTY: Bounds = Bounds {
         u: [f32::INFINITY, f32::NEG_INFINITY],
         v: [f32::INFINITY, f32::NEG_INFINITY],
-        nearness: f32::NEG_INFINITY,
+        nearness: [f32::INFINITY, f32::NEG_INFINITY],
     };
 
     /// Whether the segments may reach into a receiver's disc.
@@ -67,7 +67,7 @@ impl Bounds {
             if apart > 0.0 { apart } else { 0.0 }
         };
         let (dx, dy) = (apart(r.u, self.u), apart(r.v, self.v));
-        r.reaches(dx, dy, self.nearness - r.nearness)
+        r.reaches(dx, dy, self.nearness[1] - r.nearness)
     }
 }
 
@@ -120,8 +120,7 @@ impl Segments {
             }
             [low[0], high[0]]
         };
-        let [_, nearness] = range(2, 5);
-        self.bounds[group] = Bounds { u: range(0, 3), v: range(1, 4), nearness };
+        self.bounds[group] = Bounds { u: range(0, 3), v: range(1, 4), nearness: range(2, 5) };
     }
 
     /// Of a group of lanes, once they are found.

@@ -9,7 +9,7 @@ use super::cell::{CellBits, is_uniform, outline};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
-use super::integral::{blocked_fraction, cell_of, hides_center, sum};
+use super::integral::{blocked_fraction, cell_of, hides_center, sum, sum_in_reach};
 use super::kernels::{Ops, Work};
 use super::leaves::LeafTest;
 use super::outline::{Places, STRIP, Strip, cell_bits};
@@ -36,6 +36,19 @@ pub(crate) struct SearchTile<'a, T> {
     pub counters: &'a mut Counters,
 }
 
+/// What the search of a pixel finds.
+struct Sample {
+    /// The blocked fraction of the disc.
+    blocked: f32,
+    /// See [`Samples::discs`].
+    disc: f32,
+}
+
+impl Sample {
+    /// Nothing in reach.
+    const CLEAR: Sample = Sample { blocked: 0.0, disc: f32::INFINITY };
+}
+
 impl<T: Texel> Work for SearchTile<'_, T> {
     #[inline(always)]
     fn run(mut self, ops: &impl Ops) {
@@ -46,10 +59,12 @@ impl<T: Texel> Work for SearchTile<'_, T> {
         loop {
             for i in 0..self.samples.wanted().len() {
                 let pixel = usize::from(self.samples.wanted()[i]);
-                self.samples.values[pixel] = self.search(ops, pixel);
+                let Sample { blocked, disc } = self.search(ops, pixel);
+                self.samples.values[pixel] = blocked;
+                self.samples.discs[pixel] = disc;
             }
             self.counters.searches += self.samples.wanted().len() as u32;
-            if !self.samples.refine(self.grid) {
+            if !self.samples.refine(self.grid, self.receivers) {
                 if rows {
                     break;
                 }
@@ -86,30 +101,31 @@ impl<T: Texel> SearchTile<'_, T> {
         }
     }
 
-    /// The blocked fraction of one pixel.
+    /// Searches one pixel.
     #[inline(always)]
-    fn search(&mut self, ops: &impl Ops, pixel: usize) -> f32 {
+    fn search(&mut self, ops: &impl Ops, pixel: usize) -> Sample {
         let group = self.groups.of(pixel).and_then(|group| self.outlines.groups[group]);
-        let Some(outline) = group else { return 0.0 };
+        let Some(outline) = group else { return Sample::CLEAR };
         let receiver = self.receivers.get(pixel);
         let seen = Seen::of(self.geometry, &receiver);
         if outline.is_cut || !outline.is_shared {
             let extent = Extent::of(&receiver);
             let size = [self.field.width, self.field.height];
             let reach = Reach::within(self.geometry, outline.greatest, size, &extent);
-            let Some(Reach { places, is_cut, .. }) = reach else { return 0.0 };
+            let Some(Reach { places, is_cut, .. }) = reach else { return Sample::CLEAR };
             self.counters.cut_by_border += u32::from(is_cut);
             if !outline.is_shared {
                 let (sum, hidden) = self.own(ops, &receiver, &seen, places);
-                return blocked_fraction(hidden, sum);
+                return Sample { blocked: blocked_fraction(hidden, sum), disc: 0.0 };
             }
         }
         let [first, end] = outline.groups;
-        let mut total = sum(&seen, &self.outlines.segments, first..end, true);
+        let (mut total, mut disc) = sum_in_reach(&seen, &self.outlines.segments, first..end);
         let mut hidden = None;
         if outline.disputed[0] < outline.disputed[1] {
             let (sum, hides) = self.disputed(ops, &outline, &receiver, &seen);
             total = total.wrapping_add(sum);
+            disc = if sum == 0 { disc } else { 0.0 };
             hidden = hides;
         }
         let hidden = hidden.unwrap_or_else(|| {
@@ -119,7 +135,7 @@ impl<T: Texel> SearchTile<'_, T> {
             let [first, end] = cell.map_or([0; 2], |cell| cell.segments);
             hides_center(self.field, &receiver, segments, first..end)
         });
-        blocked_fraction(hidden, total)
+        Sample { blocked: blocked_fraction(hidden, total), disc }
     }
 
     /// The sum over the receiver's own outline in disputed cells, and whether it hides the disc's
@@ -238,7 +254,7 @@ impl<'a> Own<'a> {
     #[inline(always)]
     fn sum(&mut self, seen: &Seen) -> i32 {
         let groups = self.start / LANES..self.segments.pad();
-        let sum = self.sum.wrapping_add(sum(seen, self.segments, groups, false));
+        let sum = self.sum.wrapping_add(sum(seen, self.segments, groups));
         self.segments.truncate(self.start);
         sum
     }
