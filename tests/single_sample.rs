@@ -154,6 +154,20 @@ fn interpolation_saves_searches_and_changes_little() {
     assert!(rmse < 0.004, "{rmse}");
 }
 
+/// Shadows of bars a few pixels apart: between pixels that look alike there may be a penumbra.
+#[test]
+fn interpolation_keeps_narrow_penumbrae() {
+    let shot = Shot::new("grille", 0.1, 128, 1024);
+    let adaptive = search::Parameters::of(&shot.light).unwrap();
+    let full = search::Parameters { group: 1, ..adaptive };
+    let (all, _) = shot.search::<f32>(Level::detect(), Threads::Pool, &full);
+    let (some, _) = shot.search::<f32>(Level::detect(), Threads::Pool, &adaptive);
+    let greatest = all.iter().zip(&some).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    println!("largest difference {greatest:.3}");
+    // Where only the ends of a group count, 0.29.
+    assert!(greatest < 0.06, "{greatest}");
+}
+
 #[test]
 fn threads_levels_and_formats_agree() {
     let shot = Shot::new("torus", 0.5, 200, 512);

@@ -174,8 +174,8 @@ impl Samples {
         let middle = first + length / 2 * STEP;
         let [start, between, stop] = [first, middle, last].map(|pixel| self.values[pixel]);
         let straight = start + (stop - start) / length as f32 * (length / 2) as f32;
-        let is_straight =
-            (between - straight).abs() <= rule.tolerance * BEND && self.agrees::<STEP>(first, length);
+        let is_straight = (between - straight).abs() <= rule.tolerance * BEND
+            && self.agrees::<STEP>(first, length);
         self.halve::<STEP>(first, middle, is_straight, rule);
         self.halve::<STEP>(middle, last, is_straight, rule);
     }
