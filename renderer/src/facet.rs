@@ -81,6 +81,12 @@ impl<'a> Facet<'a> {
         self.index
     }
 
+    /// Whether its pixels differ in nothing but the light that they get.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.is_flat
+    }
+
     /// Sets normal (not of unit length), albedo and emission of the pixels in `run`, which see the
     /// triangle, and arbitrarily those of less than [`PADDING`] pixels after them.
     #[inline(always)]

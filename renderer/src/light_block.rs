@@ -86,11 +86,18 @@ pub(crate) use levels;
 
 levels!(
     /// World positions of the pixels (x, y), (x + 1, y), ... of a camera with the given nearness.
-    positions, positions_body, (camera: &View, x: u32, y: u32, nearness: &Lane, position: &mut [Lane; 3])
+    positions, positions_body,
+    (camera: &View, x: u32, y: u32, nearness: &[f32; BLOCK], position: &mut [Lane; 3])
 );
 
 #[inline(always)]
-fn positions_body(camera: &View, x: u32, y: u32, nearness: &Lane, position: &mut [Lane; 3]) {
+fn positions_body(
+    camera: &View,
+    x: u32,
+    y: u32,
+    nearness: &[f32; BLOCK],
+    position: &mut [Lane; 3],
+) {
     let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
     let rows = camera.inverse_rows();
     // Each row over (x, y, n, 1), what does not change along a row of pixels taken together.
@@ -153,11 +160,11 @@ fn surround_body(block: &mut Block, sky: Vec3, bounce: Vec3) {
 
 levels!(
     /// Adds the light that arrives from an emitter, times its visibility.
-    add_light, add_light_body, (block: &mut Block, emitter: &Emitter, visibility: &Lane)
+    add_light, add_light_body, (block: &mut Block, emitter: &Emitter, visibility: &[f32; BLOCK])
 );
 
 #[inline(always)]
-fn add_light_body(block: &mut Block, emitter: &Emitter, visibility: &Lane) {
+fn add_light_body(block: &mut Block, emitter: &Emitter, visibility: &[f32; BLOCK]) {
     // Most shine all around: no need to ask for the cone.
     if (emitter.cone_scale, emitter.cone_offset) == (0.0, 1.0) {
         return add_arriving(block, emitter, visibility, |_, _| 1.0);
@@ -178,7 +185,7 @@ fn add_light_body(block: &mut Block, emitter: &Emitter, visibility: &Lane) {
 fn add_arriving(
     block: &mut Block,
     emitter: &Emitter,
-    visibility: &Lane,
+    visibility: &[f32; BLOCK],
     cone: impl Fn([f32; 3], f32) -> f32,
 ) {
     let [px, py, pz] = &block.position;
@@ -245,8 +252,8 @@ mod tests {
             cone_scale: 3.0,
             cone_offset: -1.5,
         };
-        let nearness: Lane = std::array::from_fn(|i| 0.1 + 0.003 * i as f32);
-        let visibility: Lane = std::array::from_fn(|i| i as f32 / 63.0);
+        let nearness: [f32; BLOCK] = std::array::from_fn(|i| 0.1 + 0.003 * i as f32);
+        let visibility: [f32; BLOCK] = std::array::from_fn(|i| i as f32 / 63.0);
         let draw = |level| {
             let mut block = Block::new();
             for i in 0..BLOCK {
@@ -282,7 +289,7 @@ mod tests {
         for emitter in [all_around, cone] {
             let mut block = Block::new();
             block.normal[1] = [1.0; BLOCK + PADDING];
-            add_light(Level::SCALAR, &mut block, &emitter, &[0.5; BLOCK + PADDING]);
+            add_light(Level::SCALAR, &mut block, &emitter, &[0.5; BLOCK]);
             // 100 candela, 5 m away, at cosine 4 / 5, half seen.
             assert!((block.irradiance[0][9] - 100.0 / 25.0 * 0.8 * 0.5).abs() < 1e-6);
             assert!((block.irradiance[1][9] - 0.8).abs() < 1e-6);

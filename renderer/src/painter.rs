@@ -19,86 +19,138 @@ const BOUNCE: Vec3 = Vec3::new(0.085, 0.080, 0.075);
 /// What is seen where there is nothing, at the top and at the bottom of the picture, linear RGB.
 const BACKDROP: [Vec3; 2] = [Vec3::new(0.33, 0.39, 0.46), Vec3::new(0.68, 0.69, 0.69)];
 
-/// Facets that are kept: about those that a row of pixels sees, since the next row sees most of
+/// Facets that are kept: some times those that a row of pixels sees, since the next rows see most of
 /// them again.
-const KEPT: usize = 256;
+const KEPT: usize = 1024;
 
 /// Shades blocks of pixels of the camera.
 pub struct Painter<'a> {
     shading: &'a Shading<'a>,
     level: Level,
-    nearness: Lane,
-    visibility: Lane,
+    /// For the end of the map, where less than a block is left.
+    padded: [f32; BLOCK],
     block: Block,
+    filled: Option<Filled>,
     /// Linear RGB, the result.
     pub color: [Lane; 3],
-    facets: &'a mut Facets<'a>,
+    facets: Facets<'a>,
+}
+
+/// A flat surface that fills the whole block: the next block often sees the same.
+struct Filled {
+    triangle: u32,
+    /// Linear RGB that arrives at it without the lights.
+    surroundings: [f32; 3],
+}
+
+/// What colours the pixels of a block have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Painted {
+    /// That of the first one.
+    Alike,
+    /// Each its own.
+    Each,
 }
 
 impl<'a> Painter<'a> {
     /// A painter of pictures of `shading`.
     #[must_use]
-    pub fn new(shading: &'a Shading<'a>, level: Level, facets: &'a mut Facets<'a>) -> Painter<'a> {
-        let lane = [0.0; BLOCK + PADDING];
+    pub fn new(shading: &'a Shading<'a>, level: Level) -> Painter<'a> {
         Painter {
             shading,
             level,
-            nearness: lane,
-            visibility: lane,
+            padded: [0.0; BLOCK],
             block: Block::new(),
-            color: [lane; 3],
-            facets,
+            filled: None,
+            color: [[0.0; BLOCK + PADDING]; 3],
+            facets: Facets::new(shading),
         }
     }
 
     /// Shades the pixels (x, y) to (x + count - 1, y).
-    pub fn paint(&mut self, x: usize, y: usize, count: usize) {
+    pub fn paint(&mut self, x: usize, y: usize, count: usize) -> Painted {
         let (camera, level) = (self.shading.camera, self.level);
         let start = y * camera.width() as usize + x;
-        let pixels = start..start + count;
+        let triangles = &self.shading.map.ids()[start..start + count];
         let backdrop = {
             let t = (y as f32 + 0.5) / camera.height() as f32;
             BACKDROP[0] * (1.0 - t) + BACKDROP[1] * t
         };
-        let triangles = &self.shading.map.ids()[pixels.clone()];
-        if are_all(triangles, 0) {
-            for (color, value) in self.color.iter_mut().zip(backdrop.to_array()) {
-                *color = [value; BLOCK + PADDING];
-            }
-            return;
+        let of_all = are_all(triangles, triangles[0]).then_some(triangles[0]);
+        if of_all == Some(0) {
+            fill(&mut self.color, backdrop.to_array());
+            return Painted::Alike;
         }
-        self.nearness[count..].fill(0.0);
-        self.nearness[..count].copy_from_slice(&self.shading.map.nearness()[pixels.clone()]);
-        positions(level, camera, x as u32, y as u32, &self.nearness, &mut self.block.position);
-        look_up(level, self.facets, triangles, backdrop, &mut self.block);
-        surround(level, &mut self.block, SKY, BOUNCE);
+        let nearness = block_from(self.shading.map.nearness(), start, &mut self.padded);
+        positions(level, camera, x as u32, y as u32, nearness, &mut self.block.position);
+        self.see(triangles, of_all, backdrop);
         let lights = self.shading.emitters.iter().zip(self.shading.visibility);
         for (emitters, visibility) in lights {
-            self.visibility[..count].copy_from_slice(&visibility[pixels.clone()]);
+            let visibility = block_from(visibility, start, &mut self.padded);
             for emitter in emitters {
-                add_light(level, &mut self.block, emitter, &self.visibility);
+                add_light(level, &mut self.block, emitter, visibility);
             }
         }
         reflected(level, &self.block, &mut self.color);
+        Painted::Each
     }
+
+    /// Sets the surfaces of the block, and what arrives at them without the lights. `of_all` is the
+    /// triangle that all pixels see, if they see the same.
+    fn see(&mut self, triangles: &[u32], of_all: Option<u32>, backdrop: Vec3) {
+        if let Some(filled) = self.filled.as_ref().filter(|filled| of_all == Some(filled.triangle))
+        {
+            fill(&mut self.block.irradiance, filled.surroundings);
+            return;
+        }
+        look_up(self.level, &mut self.facets, triangles, backdrop, &mut self.block);
+        surround(self.level, &mut self.block, SKY, BOUNCE);
+        let of_all = of_all.filter(|_| triangles.len() == BLOCK);
+        self.filled = of_all.and_then(|triangle| self.filled_by(triangle));
+    }
+
+    /// What is to be kept of a block that sees nothing but one triangle, before lights are added.
+    fn filled_by(&mut self, triangle: u32) -> Option<Filled> {
+        let surroundings = self.block.irradiance.each_ref().map(|lane| lane[0]);
+        self.facets.get(triangle).is_flat().then_some(Filled { triangle, surroundings })
+    }
+}
+
+#[inline(always)]
+fn fill(lanes: &mut [Lane; 3], values: [f32; 3]) {
+    for (lane, value) in lanes.iter_mut().zip(values) {
+        *lane = [value; BLOCK + PADDING];
+    }
+}
+
+/// The values from `start` on; what follows the last one is arbitrary.
+#[inline(always)]
+fn block_from<'a>(
+    values: &'a [f32],
+    start: usize,
+    padded: &'a mut [f32; BLOCK],
+) -> &'a [f32; BLOCK] {
+    let values = &values[start..];
+    values.first_chunk().unwrap_or_else(|| {
+        padded[..values.len()].copy_from_slice(values);
+        padded
+    })
 }
 
 /// The facets that were seen last, each at its index modulo [`KEPT`].
 pub struct Facets<'a> {
     prepared: &'a Prepared<'a>,
     eye: [f32; 4],
-    kept: [Facet<'a>; KEPT],
+    kept: Box<[Facet<'a>; KEPT]>,
 }
 
 impl<'a> Facets<'a> {
     /// None yet.
     #[must_use]
     pub fn new(shading: &Shading<'a>) -> Facets<'a> {
-        Facets {
-            prepared: shading.prepared,
-            eye: shading.camera.eye(),
-            kept: [Facet::glowing(Vec3::ZERO); KEPT],
-        }
+        let kept = vec![Facet::glowing(Vec3::ZERO); KEPT].try_into();
+        let kept = kept.unwrap_or_else(|_| unreachable!("there are just that many"));
+        Facets { prepared: shading.prepared, eye: shading.camera.eye(), kept }
     }
 
     /// That of the triangle `index - 1`.

@@ -1,10 +1,12 @@
 //! Colour of every pixel: surfaces under the lights, as far as they see them, and a sky.
 
+use std::sync::{Mutex, PoisonError};
+
 use shadowmap_core::{BandSlice, DepthMap, Level, Threads, View, for_each_band};
 
 use crate::emitters::Emitter;
 use crate::light_block::{BLOCK, Lane, PADDING, steps};
-use crate::painter::{Facets, Painter};
+use crate::painter::{Painted, Painter};
 use crate::prepared::Prepared;
 use crate::tone::ToneTable;
 
@@ -91,7 +93,7 @@ fn interleave<S: Copy, T, const N: usize>(
 }
 
 /// Shades row by row of the picture; `write` puts linear RGB, pixel by pixel, into the bands.
-fn rows<T: Send>(
+fn rows<T: Copy + Send>(
     shading: &Shading<'_>,
     level: Level,
     threads: Threads,
@@ -101,21 +103,36 @@ fn rows<T: Send>(
     let aa = shading.aa as usize;
     let (row, step) = (picture.len, BLOCK / aa);
     let bands = BandSlice { len: ROWS * row, ..picture };
+    // Those that no band needs at the moment: a painter knows what it saw in the bands before.
+    let painters = Mutex::new(Vec::new());
+    let resting = || painters.lock().unwrap_or_else(PoisonError::into_inner);
     for_each_band(threads, bands, &|band, rows| {
-        let mut facets = Facets::new(shading);
-        let mut painter = Painter::new(shading, level, &mut facets);
+        let painter = resting().pop();
+        let mut painter = painter.unwrap_or_else(|| Box::new(Painter::new(shading, level)));
         for (y, row) in (ROWS * band..).zip(rows.data.chunks_mut(row)) {
             for (index, out) in row.chunks_mut(3 * step).enumerate() {
                 let (x, count) = (index * step * aa, out.len() / 3);
                 if aa == 1 {
-                    painter.paint(x, y, count);
-                    write(&painter.color, out);
+                    match painter.paint(x, y, count) {
+                        Painted::Each => write(&painter.color, out),
+                        Painted::Alike => repeat(out, |pixel| write(&painter.color, pixel)),
+                    }
                 } else {
                     write(&mean(&mut painter, aa, x, y, count), out);
                 }
             }
         }
+        resting().push(painter);
     });
+}
+
+/// Lets `write` write the first pixel, and copies it to all others.
+fn repeat<T: Copy>(out: &mut [T], write: impl FnOnce(&mut [T])) {
+    write(&mut out[..3]);
+    let (pixels, _) = out.as_chunks_mut::<3>();
+    if let Some((&mut first, others)) = pixels.split_first_mut() {
+        others.fill(first);
+    }
 }
 
 /// Linear RGB of `count` pixels of the picture from (x, y) on, each the mean over `aa` times `aa`
