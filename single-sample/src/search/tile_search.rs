@@ -83,15 +83,18 @@ impl<T: Texel> SearchTile<'_, T> {
     fn set_keys(&mut self) {
         let r = self.receivers;
         let Field { width, height, texels, .. } = *self.field;
+        let last = [(width - 1) as f32, (height - 1) as f32];
         let mut places = [0_u32; COUNT];
         for i in 0..COUNT {
-            // Casts saturate, so that the border stands for what is outside.
-            let (x, y) = (r.u[i] as i32, r.v[i] as i32);
-            let (x, y) = (x.clamp(0, width - 1), y.clamp(0, height - 1));
-            places[i] = (y as u32).wrapping_mul(width as u32).wrapping_add(x as u32);
+            let (x, y) = (whole_part(r.u[i], last[0]), whole_part(r.v[i], last[1]));
+            places[i] = y.wrapping_mul(width as u32).wrapping_add(x);
         }
-        let nearness =
-            places.map(|i| texels.get(i as usize).map_or(f32::NAN, |texel| texel.nearness()));
+        let mut nearness = [f32::NAN; COUNT];
+        for i in 0..COUNT {
+            if let Some(texel) = texels.get(places[i] as usize) {
+                nearness[i] = texel.nearness();
+            }
+        }
         let may_be_blocked = self.groups.pixels_of(|group| self.outlines.groups[group].is_some());
         for i in 0..COUNT {
             let above = r.hn[i] * nearness[i] > (r.above[i] - r.hv[i] * r.v[i]) - r.hu[i] * r.u[i];
@@ -215,6 +218,19 @@ impl<T: Texel> SearchTile<'_, T> {
         let hidden = hidden.unwrap_or_else(none);
         (own.sum(seen), hidden)
     }
+}
+
+/// The whole part of a number from 0 to `most`, which is less than 2^23; of any beyond, that of the
+/// nearer end.
+#[inline(always)]
+fn whole_part(number: f32, most: f32) -> u32 {
+    // Numbers from here on are whole. A cast, which saturates, would be one by one.
+    const WHOLE: f32 = 8_388_608.0;
+    let number = if number > 0.0 { number } else { 0.0 };
+    let number = if number < most { number } else { most };
+    let rounded = (number + WHOLE) - WHOLE;
+    let cut = if rounded > number { rounded - 1.0 } else { rounded };
+    (cut + WHOLE).to_bits() & 0x7f_ffff
 }
 
 /// A receiver's own outline, behind the shared one.
