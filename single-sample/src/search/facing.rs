@@ -79,6 +79,8 @@ pub(crate) struct Surroundings<'a> {
     pub at: [i32; 2],
     pub texels: [&'a [f32; Surroundings::COLUMNS]; Surroundings::ROWS],
     pub receivers: &'a Extent,
+    /// Whether that is one receiver.
+    pub is_one: bool,
     pub contact: f32,
     /// Which texels of the block may be close to receivers.
     pub close: Bits,
@@ -96,9 +98,16 @@ impl Surroundings<'_> {
     }
 
     /// The rows of the block with NaN for close texels that surely face all of the receivers, and with
-    /// NaN for those that may face any. For one receiver both are the same.
+    /// NaN for those that may face any. For one receiver both would be the same, and only the first is
+    /// made.
     #[inline(always)]
     pub fn unfaced(&self) -> [[Row; BLOCK_ROWS]; 2] {
+        if self.is_one { self.unfaced_by::<1>() } else { self.unfaced_by::<2>() }
+    }
+
+    /// The first `ENDS` of these.
+    #[inline(always)]
+    fn unfaced_by<const ENDS: usize>(&self) -> [[Row; BLOCK_ROWS]; 2] {
         let Extent { u, v, nearness: receivers } = *self.receivers;
         let across = Line::<BLOCK_COLUMNS>::new(self.at[0], u);
         let down = Line::<BLOCK_ROWS>::new(self.at[1], v);
@@ -107,7 +116,9 @@ impl Surroundings<'_> {
             if self.close.row(y) == 0 {
                 let row = self.texels[y + AROUND][AROUND..].first_chunk();
                 let row = row.expect("the block's texels lie within those around it");
-                (found[0][y], found[1][y]) = (*row, *row);
+                for end in 0..ENDS {
+                    found[end][y] = *row;
+                }
                 continue;
             }
             for x in 0..BLOCK_COLUMNS {
@@ -117,9 +128,9 @@ impl Surroundings<'_> {
                 let after = slope(nearness, at(3, 2), at(4, 2));
                 let above = slope(at(2, 0), at(2, 1), nearness);
                 let below = slope(nearness, at(2, 3), at(2, 4));
-                let along_x = across.rise(x, [before, after]);
-                let along_y = down.rise(y, [above, below]);
-                for end in 0..2 {
+                let along_x = across.rise::<ENDS>(x, [before, after]);
+                let along_y = down.rise::<ENDS>(y, [above, below]);
+                for end in 0..ENDS {
                     let plane = nearness - (along_x[end] + along_y[end]);
                     let is_close = nearness - receivers[end] <= self.contact;
                     let is_facing = is_close & (plane <= receivers[end]);
@@ -156,9 +167,13 @@ impl<const LENGTH: usize> Line<LENGTH> {
     /// Bounds on what a texel's plane rises by from the receivers to the texel, with the slope before
     /// the texel and the one after it.
     #[inline(always)]
-    fn rise(&self, i: usize, [before, after]: [f32; 2]) -> [f32; 2] {
+    fn rise<const ENDS: usize>(&self, i: usize, [before, after]: [f32; 2]) -> [f32; 2] {
         let rise = |beyond: f32| (if beyond > 0.0 { after } else { before }) * beyond;
-        let (first, last) = (rise(self.beyond[0][i]), rise(self.beyond[1][i]));
+        let first = rise(self.beyond[0][i]);
+        if ENDS == 1 {
+            return [first; 2];
+        }
+        let last = rise(self.beyond[1][i]);
         let between = self.between[i];
         let low = if first < last { first } else { last };
         let high = if first > last { first } else { last };

@@ -140,7 +140,8 @@ fn blocking<T: Texel, const TESTS: usize>(
             let mut room = [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS];
             let texels = field.rows(Surroundings::first(at), &mut room);
             let (receivers, contact) = (extent, field.contact);
-            let rows = ops.unfaced(&Surroundings { at, texels, receivers, contact, close });
+            let is_one = TESTS == 1;
+            let rows = ops.unfaced(&Surroundings { at, texels, receivers, is_one, contact, close });
             for test in 0..TESTS {
                 passing[test] = ops.passing(&limits(test), &rows[test].each_ref());
             }
