@@ -8,9 +8,9 @@
 use super::cell::{CELL, CellBits, outline};
 use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Texel};
 use super::kernels::Ops;
-use super::outline::cell_bits;
+use super::outline::{Room, cell_bits};
 use super::planes::{Planes, ROUNDING};
-use super::segments::{CELL_MOST, Segment, Segments, Vertex};
+use super::segments::{CELL_MOST, Segment, Segments};
 use super::texel_test::Test;
 
 /// Columns and rows of cells that have places of their own. Those farther apart take turns. Few in
@@ -60,12 +60,11 @@ impl Known {
 
 impl Cache {
     pub const fn new() -> Cache {
-        let vertex = Vertex { x: 0.0, y: 0.0, nearness: 0.0 };
         Cache {
             planes: [Plane::NONE; PLANES],
             count: 0,
             cells: [Known::NONE; PLACES[0] * PLACES[1]],
-            segments: [Segment { from: vertex, to: vertex }; SEGMENTS],
+            segments: [Segment::NONE; SEGMENTS],
             len: 0,
         }
     }
@@ -107,11 +106,12 @@ impl Cache {
         at: [i32; 2],
         nearer: f32,
         segments: &mut Segments,
+        room: &mut Room,
     ) -> bool {
         let place = plane.place(at);
         let known = &self.cells[place];
         if known.plane != plane.number || known.at != at {
-            self.cells[place] = self.find(ops, field, plane, at, segments);
+            self.cells[place] = self.find(ops, field, plane, at, segments, room);
         }
         let Known { least, segments: [first, end], .. } = self.cells[place];
         let is_same = least > nearer;
@@ -132,14 +132,15 @@ impl Cache {
         plane: &Plane,
         at: [i32; 2],
         segments: &mut Segments,
+        room: &mut Room,
     ) -> Known {
         let known =
             |least: f32, segments: [u16; 2]| Known { at, plane: plane.number, least, segments };
-        let some = cell_bits(ops, field, &plane.test(-plane.room), None, at);
+        let some = cell_bits(ops, field, &plane.test(-plane.room), None, at, room);
         if some == CellBits::default() {
             return known(f32::INFINITY, [0; 2]);
         }
-        let all = cell_bits(ops, field, &plane.test(plane.room), None, at);
+        let all = cell_bits(ops, field, &plane.test(plane.room), None, at, room);
         if some != all {
             return known(f32::NEG_INFINITY, [0; 2]);
         }

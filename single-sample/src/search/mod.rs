@@ -54,6 +54,7 @@ mod planar;
 mod planes;
 mod reach;
 mod receiver;
+mod recent;
 mod segments;
 mod soa;
 mod squares;

@@ -2,7 +2,7 @@
 
 use super::cell::{CELL, CellBits};
 use super::facing::{Surroundings, close_to};
-use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Block, Field, LANE, Texel};
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Row, Texel};
 use super::kernels::{Bits, Ops, ROWS};
 use super::leaves::Leaves;
 use super::reach::Extent;
@@ -30,6 +30,21 @@ pub(crate) const STRIP: i32 = 48;
 /// Blocks of texels that a strip touches.
 const BLOCKS: usize = STRIP as usize / BLOCK_COLUMNS + 1;
 
+/// Memory for texels that cannot be borrowed from the map.
+pub(crate) struct Room {
+    block: [Row; BLOCK_ROWS],
+    surroundings: [[f32; Surroundings::COLUMNS]; Surroundings::ROWS],
+}
+
+impl Room {
+    pub const fn new() -> Room {
+        Room {
+            block: [LANE; BLOCK_ROWS],
+            surroundings: [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS],
+        }
+    }
+}
+
 /// A row of cells, and which of its texels pass each of some tests.
 pub(crate) struct Strip<const TESTS: usize> {
     first: [i32; 2],
@@ -48,15 +63,14 @@ impl<const TESTS: usize> Strip<TESTS> {
         extent: &Extent,
         leaves: &Leaves,
         places: Places,
+        room: &mut Room,
     ) -> Strip<TESTS> {
         let ([left, right], top) = (places.columns, places.rows[0]);
-        let mut room = [LANE; BLOCK_ROWS];
         let mut passing = [[Bits::default(); TESTS]; BLOCKS];
         // Places reach to the texel after them.
         for (x, passing) in (left..=right).step_by(BLOCK_COLUMNS).zip(&mut passing) {
-            let block = field.block([x, top], &mut room);
             let close = leaves.are_close([x, top]).then_some(extent);
-            *passing = blocking(ops, field, [x, top], &block, tests, close);
+            *passing = blocking(ops, field, [x, top], tests, close, room);
         }
         Strip { first: [left, top], cells: (right - left) as usize / CELL, passing }
     }
@@ -106,10 +120,9 @@ pub(crate) fn cell_bits<T: Texel>(
     test: &Test,
     close: Option<&Extent>,
     at: [i32; 2],
+    room: &mut Room,
 ) -> CellBits {
-    let mut room = [LANE; BLOCK_ROWS];
-    let block = field.block(at, &mut room);
-    let [block] = blocking(ops, field, at, &block, &[*test], close);
+    let [block] = blocking(ops, field, at, &[*test], close, room);
     cell_of_blocks(&block, &block, 0)
 }
 
@@ -120,10 +133,11 @@ fn blocking<T: Texel, const TESTS: usize>(
     ops: &impl Ops,
     field: &Field<'_, T>,
     at: [i32; 2],
-    block: &Block<'_>,
     tests: &[Test; TESTS],
     close: Option<&Extent>,
+    room: &mut Room,
 ) -> [Bits; TESTS] {
+    let block = field.block(at, &mut room.block);
     let limits = |test: usize| tests[test].limits(block.first);
     let mut passing = [Bits::default(); TESTS];
     for test in 0..TESTS {
@@ -137,8 +151,7 @@ fn blocking<T: Texel, const TESTS: usize>(
         let far = ops.passing(&beyond, &block.rows);
         if far != passing[0] {
             let close = passing[0].each(&far, |passing, far| passing & !far);
-            let mut room = [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS];
-            let texels = field.rows(Surroundings::first(at), &mut room);
+            let texels = field.rows(Surroundings::first(at), &mut room.surroundings);
             let (receivers, contact) = (extent, field.contact);
             let is_one = TESTS == 1;
             let rows = ops.unfaced(&Surroundings { at, texels, receivers, is_one, contact, close });

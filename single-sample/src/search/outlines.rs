@@ -3,7 +3,7 @@
 use simd_search::Pyramid;
 
 use super::cache::{Cache, Plane};
-use super::cell::{CELL, outline};
+use super::cell::CELL;
 use super::disputed::Disputed;
 use super::facing::close_to;
 use super::field::{Field, Texel};
@@ -12,9 +12,10 @@ use super::groups::{GROUPS, Groups};
 use super::integral::cell_of;
 use super::kernels::{Ops, Work};
 use super::leaves::{LeafTest, Leaves};
-use super::outline::{Places, STRIP, Strip};
+use super::outline::{Places, Room, STRIP, Strip};
 use super::planes::{Planes, extent};
 use super::reach::{Extent, Reach};
+use super::recent::Recent;
 use super::segments::{LANES, Segments};
 use super::soa::Receivers;
 
@@ -91,6 +92,8 @@ pub(crate) struct Outlines {
     pub disputed: Disputed,
     pub leaves: Leaves,
     cache: Cache,
+    pub recent: Recent,
+    pub room: Room,
 }
 
 impl Outlines {
@@ -102,6 +105,8 @@ impl Outlines {
             disputed: Disputed::new(),
             leaves: Leaves::new(),
             cache: Cache::new(),
+            recent: Recent::new(),
+            room: Room::new(),
         }
     }
 }
@@ -159,7 +164,8 @@ impl<T: Texel> FindOutlines<'_, T> {
         let size = [field.width, field.height];
         let most = extent.nearness[1];
         let nearer = most + close_to(field.contact, most);
-        let Outlines { segments, cells, disputed, leaves, cache, .. } = &mut *self.outlines;
+        let Outlines { segments, cells, disputed, leaves, cache, recent, room, .. } =
+            &mut *self.outlines;
         let is_of_use = nearer < reach.greatest;
         let plane = is_of_use.then(|| cache.plane(planes, size, self.greatest)).flatten();
         let [left, top] = cell_of(extent.u[0], extent.v[0]);
@@ -169,7 +175,8 @@ impl<T: Texel> FindOutlines<'_, T> {
         let tests = planes.tests(most);
         let leaf_test = LeafTest::new(self.geometry, extent, planes, size);
         let start = [segments.len() / LANES, cells.len, disputed.pad()];
-        let mut draft = Draft { field, pyramid, receivers, segments, cells, disputed };
+        let mut draft =
+            Draft { field, pyramid, receivers, segments, cells, disputed, recent, room };
         let mut has_leaves = false;
         for part in reach.places.parts() {
             if !leaves.find(pyramid, &leaf_test, part) {
@@ -188,7 +195,7 @@ impl<T: Texel> FindOutlines<'_, T> {
                 {
                     continue;
                 }
-                let strip = Strip::new(ops, field, &tests, extent, leaves, places);
+                let strip = Strip::new(ops, field, &tests, extent, leaves, places, draft.room);
                 fits = fits && draft.add(&strip, first_leaf);
             }
             if !fits {
@@ -219,6 +226,8 @@ struct Draft<'a, T> {
     segments: &'a mut Segments,
     cells: &'a mut List<Cell, 256>,
     disputed: &'a mut Disputed,
+    recent: &'a mut Recent,
+    room: &'a mut Room,
 }
 
 impl<T: Texel> Draft<'_, T> {
@@ -234,7 +243,7 @@ impl<T: Texel> Draft<'_, T> {
                 false
             } else {
                 let first = self.segments.len();
-                outline(self.field, at, &some, self.segments);
+                self.recent.outline(self.field, at, &some, self.segments);
                 self.note(at, first)
             };
             if !fits {
@@ -256,7 +265,7 @@ impl<T: Texel> Draft<'_, T> {
     ) -> bool {
         let (at, first) = ([x, y], self.segments.len());
         self.segments.has_room(OWN_CELLS)
-            && cache.add(ops, self.field, plane, at, nearer, self.segments)
+            && cache.add(ops, self.field, plane, at, nearer, self.segments, self.room)
             && self.note(at, first)
     }
 

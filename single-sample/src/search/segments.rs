@@ -18,6 +18,12 @@ pub(crate) struct Segment {
 }
 
 impl Segment {
+    /// One that counts for nothing.
+    pub const NONE: Segment = {
+        let vertex = Vertex { x: 0.0, y: 0.0, nearness: 0.0 };
+        Segment { from: vertex, to: vertex }
+    };
+
     #[inline(always)]
     fn of([x, y, nearness, to_x, to_y, to_nearness]: [f32; 6]) -> Segment {
         Segment {

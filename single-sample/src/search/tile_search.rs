@@ -5,7 +5,7 @@ use core::ops::Range;
 use simd_search::Pyramid;
 
 use super::adaptive::{COUNT, Grid, NO_KEY, Samples};
-use super::cell::{CellBits, is_uniform, outline};
+use super::cell::{CellBits, is_uniform};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
@@ -17,6 +17,7 @@ use super::outlines::{Outline, Outlines};
 use super::planes::Planes;
 use super::reach::{Extent, Reach};
 use super::receiver::{Receiver, Seen};
+use super::recent::Recent;
 use super::segments::{LANES, Segments};
 use super::soa::Receivers;
 use super::texel_test::Test;
@@ -151,10 +152,10 @@ impl<T: Texel> SearchTile<'_, T> {
         receiver: &Receiver,
         seen: &Seen,
     ) -> (i32, Option<bool>) {
-        let Outlines { disputed, segments, .. } = &mut *self.outlines;
+        let Outlines { disputed, segments, recent, room, .. } = &mut *self.outlines;
         let (test, extent) = (Test::of(receiver), Extent::of(receiver));
         let cell = cell_of(receiver.u, receiver.v);
-        let mut own = Own::behind(segments);
+        let mut own = Own::behind(segments, recent);
         let mut hidden = None;
         for lanes in group.disputed[0]..group.disputed[1] {
             let [mut leaves, close] = disputed.blocking(lanes, receiver, seen, self.field.contact);
@@ -164,7 +165,7 @@ impl<T: Texel> SearchTile<'_, T> {
                 let close = (close >> lane & 1 == 1).then_some(&extent);
                 leaves &= leaves - 1;
                 for at in disputed.cells(leaf) {
-                    let bits = cell_bits(ops, self.field, &test, close, at);
+                    let bits = cell_bits(ops, self.field, &test, close, at, room);
                     if is_uniform(&bits) {
                         continue;
                     }
@@ -196,15 +197,15 @@ impl<T: Texel> SearchTile<'_, T> {
         );
         let tests = [Test::of(receiver)];
         let cell = cell_of(receiver.u, receiver.v);
-        let Outlines { segments, leaves, .. } = &mut *self.outlines;
-        let mut own = Own::behind(segments);
+        let Outlines { segments, leaves, recent, room, .. } = &mut *self.outlines;
+        let mut own = Own::behind(segments, recent);
         let mut hidden = None;
         for part in places.parts() {
             if !leaves.find(self.pyramid, &leaf_test, part) {
                 continue;
             }
             for places in leaves.boxes(part, STRIP) {
-                let strip = Strip::new(ops, self.field, &tests, &extent, leaves, places);
+                let strip = Strip::new(ops, self.field, &tests, &extent, leaves, places, room);
                 for i in 0..strip.cells() {
                     let Some((at, [bits])) = strip.divided(i) else { continue };
                     let added = own.add(self.field, at, &bits, seen);
@@ -236,6 +237,7 @@ fn whole_part(number: f32, most: f32) -> u32 {
 /// A receiver's own outline, behind the shared one.
 struct Own<'a> {
     segments: &'a mut Segments,
+    recent: &'a mut Recent,
     /// Where it begins: at a whole group of lanes.
     start: usize,
     /// The sum over what there was no room to keep.
@@ -244,9 +246,9 @@ struct Own<'a> {
 
 impl<'a> Own<'a> {
     #[inline(always)]
-    fn behind(segments: &'a mut Segments) -> Own<'a> {
+    fn behind(segments: &'a mut Segments, recent: &'a mut Recent) -> Own<'a> {
         let start = segments.len();
-        Own { segments, start, sum: 0 }
+        Own { segments, recent, start, sum: 0 }
     }
 
     /// Adds the outline in a cell, and says which segments that are.
@@ -262,7 +264,7 @@ impl<'a> Own<'a> {
             self.sum = self.sum(seen);
         }
         let first = self.segments.len();
-        outline(field, at, bits, self.segments);
+        self.recent.outline(field, at, bits, self.segments);
         first..self.segments.len()
     }
 

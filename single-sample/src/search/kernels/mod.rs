@@ -28,6 +28,8 @@ pub(crate) struct Bits {
 }
 
 impl Bits {
+    pub const NONE: Bits = Bits { words: [0; 2], last: 0 };
+
     #[inline(always)]
     pub fn new(rows: [u16; BLOCK_ROWS]) -> Bits {
         let word = |first: usize| {
