@@ -36,8 +36,8 @@ const CHUNKS: usize = 48;
 /// scratch memory of its own.
 const MOST_BESIDE: usize = 4;
 
-/// The fewest triangles that are worth a part.
-const LEAST_CHUNK: usize = 256;
+/// The fewest triangles that are worth a part, which every band looks through.
+const LEAST_CHUNK: usize = 1024;
 
 impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
