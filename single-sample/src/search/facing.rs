@@ -9,7 +9,7 @@
 //! The slopes of a texel's plane are those on the side away from the receiver, where the surface
 //! goes on; and of two there the lesser one, for the other may lead across an edge.
 
-use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Row, Texel};
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, Row, Texel};
 use super::kernels::Bits;
 use super::planes::ROUNDING;
 use super::reach::Extent;
@@ -97,27 +97,26 @@ impl Surroundings<'_> {
         [x - AROUND as i32, y - AROUND as i32]
     }
 
-    /// The rows of the block with NaN for close texels that surely face all of the receivers, and with
-    /// NaN for those that may face any. For one receiver both would be the same, and only the first is
-    /// made.
+    /// Writes the rows of the block with NaN for close texels that surely face all of the receivers,
+    /// and with NaN for those that may face any. For one receiver both would be the same, and only the
+    /// first are written.
     #[inline(always)]
-    pub fn unfaced(&self) -> [[Row; BLOCK_ROWS]; 2] {
-        if self.is_one { self.unfaced_by::<1>() } else { self.unfaced_by::<2>() }
+    pub fn unfaced(&self, rows: &mut [[Row; BLOCK_ROWS]; 2]) {
+        if self.is_one { self.unfaced_by::<1>(rows) } else { self.unfaced_by::<2>(rows) }
     }
 
-    /// The first `ENDS` of these.
+    /// Writes the first `ENDS` of these.
     #[inline(always)]
-    fn unfaced_by<const ENDS: usize>(&self) -> [[Row; BLOCK_ROWS]; 2] {
+    fn unfaced_by<const ENDS: usize>(&self, rows: &mut [[Row; BLOCK_ROWS]; 2]) {
         let Extent { u, v, nearness: receivers } = *self.receivers;
         let across = Line::<BLOCK_COLUMNS>::new(self.at[0], u);
         let down = Line::<BLOCK_ROWS>::new(self.at[1], v);
-        let mut found = [[LANE; BLOCK_ROWS]; 2];
         for y in 0..BLOCK_ROWS {
             if self.close.row(y) == 0 {
                 let row = self.texels[y + AROUND][AROUND..].first_chunk();
                 let row = row.expect("the block's texels lie within those around it");
                 for end in 0..ENDS {
-                    found[end][y] = *row;
+                    rows[end][y] = *row;
                 }
                 continue;
             }
@@ -134,11 +133,10 @@ impl Surroundings<'_> {
                     let plane = nearness - (along_x[end] + along_y[end]);
                     let is_close = nearness - receivers[end] <= self.contact;
                     let is_facing = is_close & (plane <= receivers[end]);
-                    found[end][y][x] = if is_facing { f32::NAN } else { nearness };
+                    rows[end][y][x] = if is_facing { f32::NAN } else { nearness };
                 }
             }
         }
-        found
     }
 }
 

@@ -30,10 +30,11 @@ pub(crate) const STRIP: i32 = 48;
 /// Blocks of texels that a strip touches.
 const BLOCKS: usize = STRIP as usize / BLOCK_COLUMNS + 1;
 
-/// Memory for texels that cannot be borrowed from the map.
+/// Memory for texels that cannot be borrowed from the map, and for what becomes of them.
 pub(crate) struct Room {
     block: [Row; BLOCK_ROWS],
     surroundings: [[f32; Surroundings::COLUMNS]; Surroundings::ROWS],
+    unfaced: [[Row; BLOCK_ROWS]; 2],
 }
 
 impl Room {
@@ -41,6 +42,7 @@ impl Room {
         Room {
             block: [LANE; BLOCK_ROWS],
             surroundings: [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS],
+            unfaced: [[LANE; BLOCK_ROWS]; 2],
         }
     }
 }
@@ -154,9 +156,10 @@ fn blocking<T: Texel, const TESTS: usize>(
             let texels = field.rows(Surroundings::first(at), &mut room.surroundings);
             let (receivers, contact) = (extent, field.contact);
             let is_one = TESTS == 1;
-            let rows = ops.unfaced(&Surroundings { at, texels, receivers, is_one, contact, close });
+            let block = Surroundings { at, texels, receivers, is_one, contact, close };
+            ops.unfaced(&block, &mut room.unfaced);
             for test in 0..TESTS {
-                passing[test] = ops.passing(&limits(test), &rows[test].each_ref());
+                passing[test] = ops.passing(&limits(test), &room.unfaced[test].each_ref());
             }
         }
     }

@@ -16,13 +16,13 @@ use crate::search::texel_test::Limits;
 pub(crate) fn run(work: impl Work) {
     work.run(&(
         |limits: &Limits, rows: &[&Row; BLOCK_ROWS]| passing(limits, rows),
-        |block: &Surroundings<'_>| unfaced(block),
+        |block: &Surroundings<'_>, rows: &mut [[Row; BLOCK_ROWS]; 2]| unfaced(block, rows),
     ));
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn unfaced(block: &Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2] {
-    block.unfaced()
+fn unfaced(block: &Surroundings<'_>, rows: &mut [[Row; BLOCK_ROWS]; 2]) {
+    block.unfaced(rows);
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]

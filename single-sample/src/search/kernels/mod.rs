@@ -72,13 +72,13 @@ pub(crate) trait Ops {
     fn passing(&self, limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits;
 
     /// [`Surroundings::unfaced`], which is too long to be inlined.
-    fn unfaced(&self, block: &Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2];
+    fn unfaced(&self, block: &Surroundings<'_>, rows: &mut [[Row; BLOCK_ROWS]; 2]);
 }
 
 impl<P, U> Ops for (P, U)
 where
     P: Fn(&Limits, &[&Row; BLOCK_ROWS]) -> Bits,
-    U: Fn(&Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2],
+    U: Fn(&Surroundings<'_>, &mut [[Row; BLOCK_ROWS]; 2]),
 {
     #[inline(always)]
     fn passing(&self, limits: &Limits, rows: &[&Row; BLOCK_ROWS]) -> Bits {
@@ -86,8 +86,8 @@ where
     }
 
     #[inline(always)]
-    fn unfaced(&self, block: &Surroundings<'_>) -> [[Row; BLOCK_ROWS]; 2] {
-        self.1(block)
+    fn unfaced(&self, block: &Surroundings<'_>, rows: &mut [[Row; BLOCK_ROWS]; 2]) {
+        self.1(block, rows);
     }
 }
 
@@ -111,7 +111,9 @@ pub(crate) fn run(level: Level, work: impl Work) {
         // SAFETY: a `Level` exists only where its instructions do.
         #[cfg(target_feature = "sse2")]
         shadowmap_core::LevelKind::Avx512 => unsafe { avx512::run(work) },
-        _ => work.run(&(plain, |block: &Surroundings<'_>| block.unfaced())),
+        _ => work.run(&(plain, |block: &Surroundings<'_>, rows: &mut [[Row; BLOCK_ROWS]; 2]| {
+            block.unfaced(rows)
+        })),
     }
 }
 
