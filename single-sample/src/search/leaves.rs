@@ -81,7 +81,9 @@ impl LeafTest {
     /// leaf i, bit i. `first` is the centre of the group's first texel.
     #[inline(always)]
     fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 4] {
-        let (mut found, mut covered, mut plain, mut close) = (0, 0, 0, 0);
+        // Two answers in one number: their bits are brought together only once.
+        let two = |a: bool, b: bool| u32::from(a) | u32::from(b) << LANES;
+        let (mut found_covered, mut plain_close) = (0, 0);
         for i in 0..LANES {
             let (x, y) = (first[0] + CELLS[0][i], first[1] + CELLS[1][i]);
             let slope = [nodes.slope_x[i], nodes.slope_y[i]];
@@ -96,7 +98,6 @@ impl LeafTest {
                 p.hn[1] * ((if p.hn[1] > 0.0 { nodes.high[i] } else { nodes.low[i] }) - p.nearness);
             let tilt = Self::tilt(slope.map(|slope| slope * p.hn[1]), [u[1].slope, v[1].slope]);
             let is_above = (most + (u[1].middle + v[1].middle)) + tilt > p.above[0];
-            found |= u32::from(is_near & is_above) << i;
             let is_inside = (x + Self::LAST[0] < self.size[0]) & (y + Self::LAST[1] < self.size[1]);
             let ends = [nodes.low[i], nodes.high[i]];
             let [least, most] = if p.hn[0] > 0.0 { ends } else { [ends[1], ends[0]] };
@@ -106,13 +107,16 @@ impl LeafTest {
             let is_surely_above = at(least) - tilt > p.above[1];
             let nearer = (nodes.low[i] - Self::tilt(slope, [0.0; 2])) - self.most;
             let is_surely_nearer = nearer > 0.0;
-            close |= u32::from((nearer <= self.close) & is_above) << i;
-            plain |= u32::from(at(most) + tilt > p.above[1]) << i;
-            covered |= u32::from(is_inside & is_surely_above & is_surely_nearer) << i;
+            let is_close = (nearer <= self.close) & is_above;
+            let is_plain = at(most) + tilt > p.above[1];
+            // Texels of close leaves may face receivers.
+            let is_covered = is_inside & is_surely_above & is_surely_nearer & !is_close;
+            found_covered |= two(is_near & is_above, is_covered) << i;
+            plain_close |= two(is_plain, is_close) << i;
         }
-        // Some of its texels may face receivers.
-        covered &= !close;
-        [found, covered, plain, close]
+        let first = |two: u32| two & ((1 << LANES) - 1);
+        let second = |two: u32| two >> LANES;
+        [first(found_covered), second(found_covered), first(plain_close), second(plain_close)]
     }
 
     /// From the first texel of a leaf to its last.
