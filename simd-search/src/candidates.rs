@@ -19,6 +19,9 @@ use crate::{IdTest, Map, Side};
 
 /// Texels that are asked at once.
 const ROOM: usize = 64;
+/// As many texels of a tile take longer to be asked one after the other, by all receivers at once,
+/// than the whole tile by one receiver after the other.
+const MANY: u32 = 16;
 /// The farthest a batch looks, in texels: squared distances that differ then differ after rounding
 /// as well.
 const FARTHEST: f32 = 1024.0;
@@ -143,7 +146,7 @@ impl Candidates<'_> {
                 self.texels[self.count % ROOM] = texel;
                 self.count += 1;
                 if sure >> bit & 1 == 1 {
-                    self.add_sure(&texel);
+                    self.add_sure(texel.x, texel.y);
                 }
             }
         }
@@ -151,15 +154,38 @@ impl Candidates<'_> {
 
     /// Takes note of a texel that counts for all receivers.
     #[inline(always)]
-    fn add_sure(&mut self, texel: &Candidate) {
+    fn add_sure(&mut self, x: f32, y: f32) {
         let ([left, right], [top, bottom]) = (self.reach.u, self.reach.v);
-        let dx = larger(texel.x - left, right - texel.x);
-        let dy = larger(texel.y - top, bottom - texel.y);
+        let dx = larger(x - left, right - x);
+        let dy = larger(y - top, bottom - y);
         // No receiver has its answer farther away than that.
         let farthest = dx * dx + dy * dy;
         if farthest < self.test.reach_squared {
             self.test.reach_squared = farthest;
-            self.sure = Some(Sure::new(self.reach, texel.x, texel.y));
+            self.sure = Some(Sure::new(self.reach, x, y));
+        }
+    }
+
+    /// Lets each of the receivers in `lanes` ask a whole tile, of which only the texels in `may` can
+    /// be an answer. `sure` count for all receivers in reach of them.
+    #[inline(always)]
+    fn ask_tile(
+        &mut self,
+        ops: &impl Ops,
+        [x, y]: [u32; 2],
+        rows: [&Row; ROWS],
+        may: u128,
+        lanes: u64,
+        sure: u128,
+    ) {
+        ops.ask_tile([x, y], rows, may, self.seekers, lanes, self.test.lit);
+        self.test.reach_squared = self.test.reach_squared.min(self.seekers.farthest());
+        let mut sure = sure & !preceded(self.reach, x, y, sure);
+        while sure != 0 {
+            let bit = sure.trailing_zeros();
+            sure &= sure - 1;
+            let (column, row) = (bit % COLUMNS as u32, bit / COLUMNS as u32);
+            self.add_sure((x + column) as f32 + 0.5, (y + row) as f32 + 0.5);
         }
     }
 
@@ -244,7 +270,12 @@ impl Descent for Candidates<'_> {
         for row in 0..ROWS {
             matters |= u128::from((matter.rows >> row & 1) * 0xffff) << (row * COLUMNS);
         }
-        let may = self.passing(ops, [x, y], may & matters);
+        let may = may & matters;
+        if self.ids == IdTest::Any && may.count_ones() >= MANY {
+            self.ask_tile(ops, [x, y], rows, may, matter.lanes, sure);
+            return;
+        }
+        let may = self.passing(ops, [x, y], may);
         self.lanes = matter.lanes;
         self.add(ops, [x, y], &rows, may, may & sure);
         self.ask(ops);

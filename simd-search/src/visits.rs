@@ -97,6 +97,19 @@ impl<K: Ops> Ops for Counted<K> {
     ) -> Matter {
         self.ops.matters(leaf, rows, seekers, lanes, lit)
     }
+    fn ask_tile(
+        &self,
+        first: [u32; 2],
+        rows: [&Row; ROWS],
+        texels: u128,
+        seekers: &mut Seekers,
+        lanes: u64,
+        lit: bool,
+    ) {
+        self.texels
+            .set(self.texels.get() + (COLUMNS * ROWS) as u64 * u64::from(lanes.count_ones()));
+        self.ops.ask_tile(first, rows, texels, seekers, lanes, lit);
+    }
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
         self.texels.set(self.texels.get() + (texels.len() * seekers.count) as u64);
         self.ops.ask(texels, seekers, lanes, lit);

@@ -111,6 +111,38 @@ fn blocks_that_look_far() {
     assert!(found > 500, "{found} hits");
 }
 
+/// Receivers between two tiles, whose planes differ, among texels of about their own nearness: of
+/// those at one distance the first in row-major order is the answer, whichever tile is asked first.
+#[test]
+fn ties_between_tiles() {
+    say_levels("ties between tiles");
+    let mut found = 0;
+    for seed in 0..100 {
+        let mut random = Random(seed);
+        let (width, height) = (64, 48);
+        let often = random.pick(&[2, 6, 20]);
+        let height_of = |random: &mut Random| 0.25 + random.unit() * 0.004;
+        let nearness = (0..width * height)
+            .map(|_| if random.below(often) == 0 { height_of(&mut random) } else { 0.2 })
+            .collect();
+        let texels = Texels { width, height, nearness, ids: vec![] };
+        let side = random.pick(&[Side::Blocker, Side::Blocker, Side::Lit]);
+        let [column, row] = [16 + 16 * random.below(3), 8 + 8 * random.below(5)];
+        let queries: Vec<_> = (0..64)
+            .map(|_| {
+                let [x, y] = [(); 2].map(|()| random.pick(&[-1.0, -0.5, 0.0, 0.0, 0.5, 1.0]));
+                let (u, v) = (column as f32 + x, row as f32 + y);
+                let mut point = LightPoint::flat(u, v, height_of(&mut random));
+                point.slope.x = random.unit() * 1e-5;
+                Query { side, ..Query::new(point, 0.0, 12.0) }
+            })
+            .collect();
+        found += check_all_paths(&texels, &queries, false);
+    }
+    println!("{found} hits");
+    assert!(found > 4000, "{found} hits");
+}
+
 /// NaN is lit, also where receivers do not agree on the texels beside it.
 #[test]
 fn nan_among_blockers_is_lit_for_a_block() {

@@ -1,4 +1,4 @@
-//! The nine operations that searches are made of, at every instruction set, and the door to them.
+//! The ten operations that searches are made of, at every instruction set, and the door to them.
 
 use core::ops::Range;
 
@@ -48,7 +48,7 @@ mod vectors;
 
 /// What the algorithms, written once, ask of an instruction set.
 ///
-/// Each instruction set makes one [`Kernels`] of nine closures inside a function with its target
+/// Each instruction set makes one [`Kernels`] of ten closures inside a function with its target
 /// features: closures have the features of the function they are made in, and everything between
 /// is `#[inline(always)]`.
 pub(crate) trait Ops {
@@ -78,12 +78,23 @@ pub(crate) trait Ops {
         lanes: u64,
         lit: bool,
     ) -> Matter;
+    /// Lets the receivers in `lanes` ask the texels of the tile that starts at `first`. Those outside
+    /// `texels` are the answer of none of them.
+    fn ask_tile(
+        &self,
+        first: [u32; 2],
+        rows: [&Row; ROWS],
+        texels: u128,
+        seekers: &mut Seekers,
+        lanes: u64,
+        lit: bool,
+    );
     /// Lets receivers ask each of the texels, all that have a bit in `lanes` and others.
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool);
 }
 
-/// [`Ops`] of nine closures.
-pub(crate) struct Kernels<T, S, E, G, L, P, C, M, A> {
+/// [`Ops`] of ten closures.
+pub(crate) struct Kernels<T, S, E, G, L, P, C, M, K, A> {
     pub tile: T,
     pub sift: S,
     pub equal: E,
@@ -92,10 +103,11 @@ pub(crate) struct Kernels<T, S, E, G, L, P, C, M, A> {
     pub parent: P,
     pub concerned: C,
     pub matters: M,
+    pub ask_tile: K,
     pub ask: A,
 }
 
-impl<T, S, E, G, L, P, C, M, A> Ops for Kernels<T, S, E, G, L, P, C, M, A>
+impl<T, S, E, G, L, P, C, M, K, A> Ops for Kernels<T, S, E, G, L, P, C, M, K, A>
 where
     T: Fn(&TileTest, [&Row; ROWS]) -> u128,
     S: Fn(&SiftTest, [&Row; ROWS]) -> [u128; 2],
@@ -105,6 +117,7 @@ where
     P: Fn(&NodeGroup, &Family) -> [Bounds; 2],
     C: Fn(&Leaf, &Seekers, bool) -> u64,
     M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> Matter,
+    K: Fn([u32; 2], [&Row; ROWS], u128, &mut Seekers, u64, bool),
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
 {
     #[inline(always)]
@@ -145,6 +158,18 @@ where
         lit: bool,
     ) -> Matter {
         (self.matters)(leaf, rows, seekers, lanes, lit)
+    }
+    #[inline(always)]
+    fn ask_tile(
+        &self,
+        first: [u32; 2],
+        rows: [&Row; ROWS],
+        texels: u128,
+        seekers: &mut Seekers,
+        lanes: u64,
+        lit: bool,
+    ) {
+        (self.ask_tile)(first, rows, texels, seekers, lanes, lit);
     }
     #[inline(always)]
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {

@@ -184,6 +184,86 @@ fn by_texels<V: Vectors>(
     found
 }
 
+/// [`super::Ops::ask_tile`].
+#[inline(always)]
+pub(crate) fn ask_tile<V: Vectors>(
+    v: V,
+    first: [u32; 2],
+    rows: [&Row; ROWS],
+    texels: u128,
+    seekers: &mut Seekers,
+    lanes: u64,
+    lit: bool,
+) {
+    let mut lanes = lanes;
+    while lanes != 0 {
+        let i = lanes.trailing_zeros() as usize % BATCH;
+        lanes &= lanes - 1;
+        let Some((distance, place)) = nearest_in_tile(v, first, rows, texels, seekers, i, lit)
+        else {
+            continue;
+        };
+        let (column, row) = (place % COLUMNS as u32, place / COLUMNS as u32);
+        let order = seekers.order(first[0] + column, first[1] + row);
+        if distance < seekers.distance[i] || order < seekers.order[i] {
+            (seekers.distance[i], seekers.order[i]) = (distance, order);
+        }
+    }
+}
+
+/// The squared distance of the texel of a tile that counts for receiver `i` and is the nearest, no
+/// farther than the best so far, and its place in the tile.
+#[inline(always)]
+fn nearest_in_tile<V: Vectors>(
+    v: V,
+    first: [u32; 2],
+    rows: [&Row; ROWS],
+    texels: u128,
+    seekers: &Seekers,
+    i: usize,
+    lit: bool,
+) -> Option<(f32, u32)> {
+    let [left, top] = [first[0] as f32 + 0.5, first[1] as f32 + 0.5];
+    let [mut rise_y, mut dy_squared] = [[0.0; ROWS]; 2];
+    for row in 0..ROWS {
+        let dy = (top + row as f32) - seekers.v[i];
+        (rise_y[row], dy_squared[row]) = (seekers.slope_y[i] * dy, dy * dy);
+    }
+    let nothing = v.all(f32::INFINITY);
+    // Of each row, as many vectors as the narrowest instruction set needs.
+    let mut distances = [[nothing; COLUMNS / 4]; ROWS];
+    let mut least = nothing;
+    for part in 0..parts::<V>() {
+        let x = v.add(v.all(left), load::<V, _>(&LANE, part));
+        let dx = v.sub(x, v.all(seekers.u[i]));
+        let (dx_squared, rise_x) = (v.mul(dx, dx), v.mul(v.all(seekers.slope_x[i]), dx));
+        for row in 0..ROWS {
+            if (texels >> (row * COLUMNS)) as u16 == 0 {
+                continue;
+            }
+            let distance = v.add(dx_squared, v.all(dy_squared[row]));
+            let rise = v.add(rise_x, v.all(rise_y[row]));
+            let plane = v.add(v.add(v.all(seekers.nearness[i]), rise), v.all(seekers.offset[i]));
+            let blocks = v.greater(load::<V, _>(rows[row], part), plane);
+            let [if_blocks, if_not] = if lit { [nothing, distance] } else { [distance, nothing] };
+            let distance = v.choose(blocks, if_blocks, if_not);
+            distances[row][part] = distance;
+            least = v.smaller(distance, least);
+        }
+    }
+    if v.bits(v.at_most(least, v.all(seekers.distance[i]))) == 0 {
+        return None;
+    }
+    let [least, ..] = v.least_of_each([least; 4]);
+    let mut found = [0; ROWS];
+    for part in 0..parts::<V>() {
+        for row in 0..ROWS {
+            found[row] |= bits(v, v.at_most(distances[row][part], v.all(least)), part);
+        }
+    }
+    Some((least, word(found).trailing_zeros()))
+}
+
 /// [`super::Ops::ask`].
 #[inline(always)]
 pub(crate) fn ask<V: Vectors>(

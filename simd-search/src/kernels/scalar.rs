@@ -17,7 +17,7 @@ pub(crate) fn run(job: Job<'_>) {
 /// The kernels themselves.
 #[inline(always)]
 pub(crate) fn kernels() -> impl Ops {
-    Kernels { tile, sift, equal, group, leaves, parent, concerned, matters, ask }
+    Kernels { tile, sift, equal, group, leaves, parent, concerned, matters, ask_tile, ask }
 }
 
 fn tile(test: &TileTest, rows: [&Row; ROWS]) -> u128 {
@@ -207,6 +207,31 @@ fn rows_that_matter(
         found |= u32::from(matters) << y;
     }
     found
+}
+
+fn ask_tile(
+    [x, y]: [u32; 2],
+    rows: [&Row; ROWS],
+    texels: u128,
+    seekers: &mut Seekers,
+    lanes: u64,
+    lit: bool,
+) {
+    let mut candidates = [Candidate::default(); ROWS * COLUMNS];
+    let (mut rest, mut count) = (texels, 0);
+    while rest != 0 {
+        let place = rest.trailing_zeros();
+        rest &= rest - 1;
+        let (column, row) = (place % COLUMNS as u32, place / COLUMNS as u32);
+        candidates[count] = Candidate {
+            x: (x + column) as f32 + 0.5,
+            y: (y + row) as f32 + 0.5,
+            nearness: rows[row as usize][column as usize],
+            order: seekers.order(x + column, y + row),
+        };
+        count += 1;
+    }
+    ask(&candidates[..count], seekers, lanes, lit);
 }
 
 fn ask(texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {

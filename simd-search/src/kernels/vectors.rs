@@ -133,6 +133,14 @@ macro_rules! kernels {
             matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool| {
                 receivers::matters($v, leaf, rows, seekers, lanes, lit)
             },
+            ask_tile: |first: [u32; 2],
+                       rows: [&Row; ROWS],
+                       texels: u128,
+                       seekers: &mut Seekers,
+                       lanes: u64,
+                       lit: bool| {
+                receivers::ask_tile($v, first, rows, texels, seekers, lanes, lit)
+            },
             ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
                 receivers::ask($v, texels, seekers, lanes, lit)
             },
