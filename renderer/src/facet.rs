@@ -42,7 +42,7 @@ impl<'a> Facet<'a> {
 
     /// The triangle `index - 1`, seen from `eye`, a homogeneous point.
     #[must_use]
-    #[inline(never)]
+    #[inline(always)]
     pub fn new(prepared: &Prepared<'a>, index: u32, eye: [f32; 4]) -> Facet<'a> {
         let triangle = index as usize - 1;
         let scene = prepared.scene();

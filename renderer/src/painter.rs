@@ -156,11 +156,16 @@ impl<'a> Facets<'a> {
     /// That of the triangle `index - 1`.
     #[inline(always)]
     fn get(&mut self, index: u32) -> &Facet<'a> {
-        let kept = &mut self.kept[index as usize % KEPT];
-        if kept.index() != index {
-            *kept = Facet::new(self.prepared, index, self.eye);
+        if self.kept[index as usize % KEPT].index() != index {
+            self.make(index);
         }
-        kept
+        &self.kept[index as usize % KEPT]
+    }
+
+    /// Apart from [`Facets::get`], which is short and called for every run of pixels.
+    #[inline(never)]
+    fn make(&mut self, index: u32) {
+        self.kept[index as usize % KEPT] = Facet::new(self.prepared, index, self.eye);
     }
 }
 
