@@ -36,8 +36,8 @@
 // Kernels index several arrays in step.
 #![allow(clippy::needless_range_loop)]
 
+mod above;
 mod adaptive;
-mod cache;
 mod cell;
 mod disputed;
 mod facing;

@@ -2,8 +2,8 @@
 
 use simd_search::Pyramid;
 
-use super::cache::{Cache, Plane};
-use super::cell::CELL;
+use super::above::{Above, Plane};
+use super::cell::{CELL, CellBits, is_uniform};
 use super::disputed::Disputed;
 use super::facing::close_to;
 use super::field::{Field, Texel};
@@ -91,7 +91,7 @@ pub(crate) struct Outlines {
     /// The cells that look different to some receivers of a group.
     pub disputed: Disputed,
     pub leaves: Leaves,
-    cache: Cache,
+    above: Above,
     pub recent: Recent,
     pub room: Room,
 }
@@ -104,7 +104,7 @@ impl Outlines {
             cells: List::new(Cell { at: [0; 2], segments: [0; 2] }),
             disputed: Disputed::new(),
             leaves: Leaves::new(),
-            cache: Cache::new(),
+            above: Above::new(),
             recent: Recent::new(),
             room: Room::new(),
         }
@@ -164,10 +164,10 @@ impl<T: Texel> FindOutlines<'_, T> {
         let size = [field.width, field.height];
         let most = extent.nearness[1];
         let nearer = most + close_to(field.contact, most);
-        let Outlines { segments, cells, disputed, leaves, cache, recent, room, .. } =
+        let Outlines { segments, cells, disputed, leaves, above, recent, room, .. } =
             &mut *self.outlines;
         let is_of_use = nearer < reach.greatest;
-        let plane = is_of_use.then(|| cache.plane(planes, size, self.greatest)).flatten();
+        let plane = is_of_use.then(|| above.plane(planes, size, self.greatest)).flatten();
         let [left, top] = cell_of(extent.u[0], extent.v[0]);
         let [right, bottom] = cell_of(extent.u[1], extent.v[1]);
         let receivers = Places { columns: [left, right + 1], rows: [top, bottom + 1] };
@@ -191,7 +191,7 @@ impl<T: Texel> FindOutlines<'_, T> {
             let mut boxes = leaves.boxes(part, if plane.is_some() { CELL as i32 } else { STRIP });
             while let (true, Some(places)) = (fits, boxes.next()) {
                 if let Some(plane) = &plane
-                    && draft.add_known(ops, cache, plane, nearer, places)
+                    && draft.add_known(ops, above, plane, nearer, places)
                 {
                     continue;
                 }
@@ -239,12 +239,8 @@ impl<T: Texel> Draft<'_, T> {
             let Some((at, [some, all])) = strip.divided(i) else { continue };
             let fits = if some != all {
                 self.disputed.push(self.pyramid, at, first_leaf)
-            } else if !self.segments.has_room(OWN_CELLS) {
-                false
             } else {
-                let first = self.segments.len();
-                self.recent.outline(self.field, at, &some, self.segments);
-                self.note(at, first)
+                self.segments.has_room(OWN_CELLS) && self.outline(at, &some)
             };
             if !fits {
                 return false;
@@ -253,25 +249,29 @@ impl<T: Texel> Draft<'_, T> {
         true
     }
 
-    /// Adds a cell as the cache has it; false if it must be looked at, or there is no room.
+    /// Adds a cell with what is known to be above a plane; false if it must be looked at, or there is
+    /// no room.
     #[inline(always)]
     fn add_known(
         &mut self,
         ops: &impl Ops,
-        cache: &mut Cache,
+        above: &mut Above,
         plane: &Plane,
         nearer: f32,
         Places { columns: [x, _], rows: [y, _] }: Places,
     ) -> bool {
-        let (at, first) = ([x, y], self.segments.len());
-        self.segments.has_room(OWN_CELLS)
-            && cache.add(ops, self.field, plane, at, nearer, self.segments, self.room)
-            && self.note(at, first)
+        let at = [x, y];
+        let Some(bits) = above.blocking(ops, self.field, plane, at, nearer, self.room) else {
+            return false;
+        };
+        is_uniform(&bits) || (self.segments.has_room(OWN_CELLS) && self.outline(at, &bits))
     }
 
-    /// Notes that the segments from `first` on are those of a cell; false if there is no room.
+    /// Adds the outline in a cell; false if there is no room for noting the cell.
     #[inline(always)]
-    fn note(&mut self, at: [i32; 2], first: usize) -> bool {
+    fn outline(&mut self, at: [i32; 2], bits: &CellBits) -> bool {
+        let first = self.segments.len();
+        self.recent.outline(self.field, at, bits, self.segments);
         let cell = Cell { at, segments: [first, self.segments.len()] };
         !self.receivers.hold(at) || self.cells.push(cell)
     }

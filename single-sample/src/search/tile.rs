@@ -42,6 +42,9 @@ pub(crate) struct Scratch {
     outlines: Outlines,
 }
 
+/// As the crate's README says.
+const _: () = assert!(size_of::<Scratch>() <= 320 * 1024);
+
 impl Scratch {
     pub const fn new() -> Scratch {
         Scratch {

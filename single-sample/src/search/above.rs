@@ -1,23 +1,20 @@
-//! Outlines of cells that tiles share, because they show the same plane.
+//! Which texels of cells are above a plane that several tiles show.
 //!
 //! The discs of one tile's receivers reach over far more of the map than the tile covers, so that
 //! neighbours look at much the same cells. Which texels of a cell are above a plane is the same for
 //! all of them, up to rounding. If these are also nearer than all of a tile's receivers, and not
 //! close to any, they are what blocks each of them.
 
-use super::cell::{CELL, CellBits, outline};
+use super::cell::{CELL, CellBits};
 use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Texel};
 use super::kernels::Ops;
 use super::outline::{Room, cell_bits};
 use super::planes::{Planes, ROUNDING};
-use super::segments::{CELL_MOST, Segment, Segments};
 use super::texel_test::Test;
 
 /// Columns and rows of cells that have places of their own. Those farther apart take turns. Few in
 /// tests, for small maps to have some.
 const PLACES: [usize; 2] = if cfg!(test) { [4, 2] } else { [64, 32] };
-/// How many segments are kept: no less than one cell may have.
-const SEGMENTS: usize = if cfg!(test) { CELL_MOST } else { 1024 };
 /// How many planes are told apart.
 const PLANES: usize = 8;
 /// The place of new ones among them.
@@ -30,17 +27,15 @@ const FEW: u32 = if cfg!(test) { 0 } else { 4 };
 /// more the ground for something above itself.
 const ROOM: f32 = 12.0 * ROUNDING;
 
-/// What is known of the cells around the tiles so far: 64 KiB.
-pub(crate) struct Cache {
+/// What is known of the cells around the tiles so far: 96 KiB.
+pub(crate) struct Above {
     planes: [Plane; PLANES],
     /// How many planes there were.
     count: u32,
     cells: [Known; PLACES[0] * PLACES[1]],
-    segments: [Segment; SEGMENTS],
-    len: usize,
 }
 
-/// The outline of the texels of one cell that are above a plane.
+/// Which texels of one cell are above a plane.
 #[derive(Clone, Copy)]
 struct Known {
     /// The cell's first texel.
@@ -49,23 +44,38 @@ struct Known {
     plane: u32,
     /// The least nearness above the plane; negative infinity if it is not clear what is above it.
     least: f32,
-    /// The range of its segments.
-    segments: [u16; 2],
+    bits: CellBits,
 }
 
 impl Known {
     /// Nothing, for no plane has this number.
-    const NONE: Known = Known { at: [0; 2], plane: 0, least: 0.0, segments: [0; 2] };
+    const NONE: Known = Known { at: [0; 2], plane: 0, least: 0.0, bits: CellBits::NONE };
+
+    /// Finds what is above a plane in a cell.
+    #[inline(always)]
+    fn find<T: Texel>(
+        ops: &impl Ops,
+        field: &Field<'_, T>,
+        plane: &Plane,
+        at: [i32; 2],
+        room: &mut Room,
+    ) -> Known {
+        let some = cell_bits(ops, field, &plane.test(-plane.room), None, at, room);
+        let known = |least: f32| Known { at, plane: plane.number, least, bits: some };
+        if some == CellBits::NONE {
+            return known(f32::INFINITY);
+        }
+        let all = cell_bits(ops, field, &plane.test(plane.room), None, at, room);
+        known(if some == all { least(field, at, &all) } else { f32::NEG_INFINITY })
+    }
 }
 
-impl Cache {
-    pub const fn new() -> Cache {
-        Cache {
+impl Above {
+    pub const fn new() -> Above {
+        Above {
             planes: [Plane::NONE; PLANES],
             count: 0,
             cells: [Known::NONE; PLACES[0] * PLACES[1]],
-            segments: [Segment::NONE; SEGMENTS],
-            len: 0,
         }
     }
 
@@ -93,71 +103,24 @@ impl Cache {
         (plane.tiles > FEW).then_some(plane)
     }
 
-    /// Adds the outline in the cell whose first texel is `at` to `segments`, which have room for it.
-    ///
-    /// False if it may not be that of all receivers on the plane. It is if all that is above the plane
-    /// is `nearer` than so: than the receivers, and than what is close to them.
+    /// Which texels of the cell whose first one is `at` block all receivers on a plane; `None` if not
+    /// the same ones may block each of them. They do if all that is above the plane is `nearer` than
+    /// so: than the receivers, and than what is close to them.
     #[inline(always)]
-    pub fn add<T: Texel>(
+    pub fn blocking<T: Texel>(
         &mut self,
         ops: &impl Ops,
         field: &Field<'_, T>,
         plane: &Plane,
         at: [i32; 2],
         nearer: f32,
-        segments: &mut Segments,
         room: &mut Room,
-    ) -> bool {
-        let place = plane.place(at);
-        let known = &self.cells[place];
+    ) -> Option<CellBits> {
+        let known = &mut self.cells[plane.place(at)];
         if known.plane != plane.number || known.at != at {
-            self.cells[place] = self.find(ops, field, plane, at, segments, room);
+            *known = Known::find(ops, field, plane, at, room);
         }
-        let Known { least, segments: [first, end], .. } = self.cells[place];
-        let is_same = least > nearer;
-        if is_same {
-            for segment in &self.segments[usize::from(first)..usize::from(end)] {
-                segments.push(*segment);
-            }
-        }
-        is_same
-    }
-
-    /// Finds the outline in a cell, with the help of the room behind `segments`.
-    #[inline(always)]
-    fn find<T: Texel>(
-        &mut self,
-        ops: &impl Ops,
-        field: &Field<'_, T>,
-        plane: &Plane,
-        at: [i32; 2],
-        segments: &mut Segments,
-        room: &mut Room,
-    ) -> Known {
-        let known =
-            |least: f32, segments: [u16; 2]| Known { at, plane: plane.number, least, segments };
-        let some = cell_bits(ops, field, &plane.test(-plane.room), None, at, room);
-        if some == CellBits::default() {
-            return known(f32::INFINITY, [0; 2]);
-        }
-        let all = cell_bits(ops, field, &plane.test(plane.room), None, at, room);
-        if some != all {
-            return known(f32::NEG_INFINITY, [0; 2]);
-        }
-        let start = segments.len();
-        outline(field, at, &all, segments);
-        let count = segments.len() - start;
-        if self.len + count > SEGMENTS {
-            self.cells.fill(Known::NONE);
-            self.len = 0;
-        }
-        let first = self.len;
-        for i in 0..count {
-            self.segments[first + i] = segments.get(start + i);
-        }
-        segments.truncate(start);
-        self.len += count;
-        known(least(field, at, &all), [first as u16, self.len as u16])
+        (known.least > nearer).then_some(known.bits)
     }
 }
 
@@ -232,7 +195,7 @@ impl Plane {
         apart + rounding * (0.25 * ROUNDING) < self.room * 0.5
     }
 
-    /// The place of a cell in the [`Cache`]: neighbours have different ones, and so has the same cell
+    /// The place of a cell in the [`Above`]: neighbours have different ones, and so has the same cell
     /// for other planes.
     #[inline(always)]
     fn place(&self, at: [i32; 2]) -> usize {
