@@ -12,6 +12,18 @@ pub enum Threads {
     Pool,
 }
 
+impl Threads {
+    /// How many threads there are.
+    #[must_use]
+    pub fn count(self) -> usize {
+        match self {
+            Threads::One => 1,
+            #[cfg(feature = "rayon")]
+            Threads::Pool => rayon::current_num_threads(),
+        }
+    }
+}
+
 /// Something that can be cut between two bands. Tuples are cut alike in all their parts.
 pub trait Bands: Send + Sized {
     /// How many bands there are.

@@ -213,8 +213,10 @@ fn run<T: Texel, V: Visibility>(
         tolerance: parameters.tolerance,
     };
     let tally = Tally::default();
-    // Rows of tiles in a band. A band clears its memory at first: on one thread, do so once.
-    let rows = if threads == Threads::One { out.len().div_ceil(image * TILE) } else { 1 };
+    // A band clears its memory at first, and knows nothing of the cells that others looked at: on one
+    // thread one is best, and on several a few each, to share the work out evenly.
+    let bands = if threads == Threads::One { 1 } else { 4 * threads.count() };
+    let rows = out.len().div_ceil(image * TILE).div_ceil(bands);
     let bands = BandSlice { data: out, len: rows * (image * TILE) };
     for_each_band(threads, bands, &|index, band| {
         let mut counters = Counters::default();
