@@ -27,7 +27,7 @@ const FEW: u32 = if cfg!(test) { 0 } else { 4 };
 /// more the ground for something above itself.
 const ROOM: f32 = 12.0 * ROUNDING;
 
-/// What is known of the cells around the tiles so far: 96 KiB.
+/// What is known of the cells around the tiles so far: 80 KiB.
 pub(crate) struct Above {
     planes: [Plane; PLANES],
     /// How many planes there were.
