@@ -6,7 +6,7 @@ use glam::Vec2;
 
 use crate::descend::{Descent, Path, descend};
 use crate::kernels::Ops;
-use crate::leaf::{Candidate, Leaf, SiftTest, larger};
+use crate::leaf::{Candidate, Leaf, SiftTest, Tile, larger};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::naive::reach as span;
 use crate::precedence::{Sure, preceded};
@@ -166,19 +166,12 @@ impl Candidates<'_> {
         }
     }
 
-    /// Lets each of the receivers in `lanes` ask a whole tile, of which only the texels in `may` can
-    /// be an answer. `sure` count for all receivers in reach of them.
+    /// Lets each of the receivers in `lanes` ask a whole tile, of which the texels in `sure` count for
+    /// all receivers in reach of them.
     #[inline(always)]
-    fn ask_tile(
-        &mut self,
-        ops: &impl Ops,
-        [x, y]: [u32; 2],
-        rows: [&Row; ROWS],
-        may: u128,
-        lanes: u64,
-        sure: u128,
-    ) {
-        ops.ask_tile([x, y], rows, may, self.seekers, lanes, self.test.lit);
+    fn ask_tile(&mut self, ops: &impl Ops, tile: &Tile<'_>, lanes: u64, sure: u128) {
+        let [x, y] = tile.first;
+        ops.ask_tile(tile, self.seekers, lanes, self.test.lit);
         self.test.reach_squared = self.test.reach_squared.min(self.seekers.farthest());
         let mut sure = sure & !preceded(self.reach, x, y, sure);
         while sure != 0 {
@@ -272,7 +265,8 @@ impl Descent for Candidates<'_> {
         }
         let may = may & matters;
         if self.ids == IdTest::Any && may.count_ones() >= MANY {
-            self.ask_tile(ops, [x, y], rows, may, matter.lanes, sure);
+            let tile = Tile { first: [x, y], rows, texels: may };
+            self.ask_tile(ops, &tile, matter.lanes, sure);
             return;
         }
         let may = self.passing(ops, [x, y], may);

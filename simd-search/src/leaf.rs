@@ -1,7 +1,7 @@
 //! What a batch of receivers asks of a leaf of the pyramid and of its texels.
 
 use crate::Side;
-use crate::map::ROWS;
+use crate::map::{ROWS, Row};
 use crate::pyramid::{LANES, LEAF_HEIGHT, LEAF_WIDTH, NodeGroup};
 use crate::reach::{GroupTest, Reach};
 
@@ -56,6 +56,15 @@ impl Leaf {
     pub fn holds_unknown(&self, lit: bool) -> bool {
         lit && self.low == f32::NEG_INFINITY
     }
+}
+
+/// A tile of the map, and which of its texels can be an answer.
+pub(crate) struct Tile<'a> {
+    /// Column and row of its first texel.
+    pub first: [u32; 2],
+    pub rows: [&'a Row; ROWS],
+    /// Bit i for texel i, row by row.
+    pub texels: u128,
 }
 
 /// What may matter of a tile.

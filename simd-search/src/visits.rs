@@ -4,7 +4,7 @@ use core::cell::Cell;
 
 use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Ops, scalar};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
 use crate::leaves::{Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
@@ -97,18 +97,10 @@ impl<K: Ops> Ops for Counted<K> {
     ) -> Matter {
         self.ops.matters(leaf, rows, seekers, lanes, lit)
     }
-    fn ask_tile(
-        &self,
-        first: [u32; 2],
-        rows: [&Row; ROWS],
-        texels: u128,
-        seekers: &mut Seekers,
-        lanes: u64,
-        lit: bool,
-    ) {
+    fn ask_tile(&self, tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool) {
         self.texels
             .set(self.texels.get() + (COLUMNS * ROWS) as u64 * u64::from(lanes.count_ones()));
-        self.ops.ask_tile(first, rows, texels, seekers, lanes, lit);
+        self.ops.ask_tile(tile, seekers, lanes, lit);
     }
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
         self.texels.set(self.texels.get() + (texels.len() * seekers.count) as u64);

@@ -7,7 +7,7 @@ use shadowmap_core::Level;
 use crate::batch::each_in_pyramid;
 use crate::build::{Bounds, Family, build_upper};
 use crate::classify::{Verdict, classify};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
 use crate::leaves::{Ranges, Slopes, Tiles, build_leaves};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
@@ -78,17 +78,8 @@ pub(crate) trait Ops {
         lanes: u64,
         lit: bool,
     ) -> Matter;
-    /// Lets the receivers in `lanes` ask the texels of the tile that starts at `first`. Those outside
-    /// `texels` are the answer of none of them.
-    fn ask_tile(
-        &self,
-        first: [u32; 2],
-        rows: [&Row; ROWS],
-        texels: u128,
-        seekers: &mut Seekers,
-        lanes: u64,
-        lit: bool,
-    );
+    /// Lets the receivers in `lanes` ask a tile.
+    fn ask_tile(&self, tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool);
     /// Lets receivers ask each of the texels, all that have a bit in `lanes` and others.
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool);
 }
@@ -117,7 +108,7 @@ where
     P: Fn(&NodeGroup, &Family) -> [Bounds; 2],
     C: Fn(&Leaf, &Seekers, bool) -> u64,
     M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> Matter,
-    K: Fn([u32; 2], [&Row; ROWS], u128, &mut Seekers, u64, bool),
+    K: Fn(&Tile<'_>, &mut Seekers, u64, bool),
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
 {
     #[inline(always)]
@@ -160,16 +151,8 @@ where
         (self.matters)(leaf, rows, seekers, lanes, lit)
     }
     #[inline(always)]
-    fn ask_tile(
-        &self,
-        first: [u32; 2],
-        rows: [&Row; ROWS],
-        texels: u128,
-        seekers: &mut Seekers,
-        lanes: u64,
-        lit: bool,
-    ) {
-        (self.ask_tile)(first, rows, texels, seekers, lanes, lit);
+    fn ask_tile(&self, tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool) {
+        (self.ask_tile)(tile, seekers, lanes, lit);
     }
     #[inline(always)]
     fn ask(&self, texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {

@@ -5,7 +5,7 @@ use core::mem::size_of;
 use bytemuck::{AnyBitPattern, bytes_of, cast_slice, pod_read_unaligned};
 
 use super::vectors::{LANE, Vectors, bits, gap, load, parts, tilt, width, word};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::receivers::{BATCH, Seekers};
 
@@ -188,9 +188,7 @@ fn by_texels<V: Vectors>(
 #[inline(always)]
 pub(crate) fn ask_tile<V: Vectors>(
     v: V,
-    first: [u32; 2],
-    rows: [&Row; ROWS],
-    texels: u128,
+    tile: &Tile<'_>,
     seekers: &mut Seekers,
     lanes: u64,
     lit: bool,
@@ -199,12 +197,11 @@ pub(crate) fn ask_tile<V: Vectors>(
     while lanes != 0 {
         let i = lanes.trailing_zeros() as usize % BATCH;
         lanes &= lanes - 1;
-        let Some((distance, place)) = nearest_in_tile(v, first, rows, texels, seekers, i, lit)
-        else {
+        let Some((distance, place)) = nearest_in_tile(v, tile, seekers, i, lit) else {
             continue;
         };
         let (column, row) = (place % COLUMNS as u32, place / COLUMNS as u32);
-        let order = seekers.order(first[0] + column, first[1] + row);
+        let order = seekers.order(tile.first[0] + column, tile.first[1] + row);
         if distance < seekers.distance[i] || order < seekers.order[i] {
             (seekers.distance[i], seekers.order[i]) = (distance, order);
         }
@@ -216,13 +213,12 @@ pub(crate) fn ask_tile<V: Vectors>(
 #[inline(always)]
 fn nearest_in_tile<V: Vectors>(
     v: V,
-    first: [u32; 2],
-    rows: [&Row; ROWS],
-    texels: u128,
+    tile: &Tile<'_>,
     seekers: &Seekers,
     i: usize,
     lit: bool,
 ) -> Option<(f32, u32)> {
+    let Tile { first, rows, texels } = *tile;
     let [left, top] = [first[0] as f32 + 0.5, first[1] as f32 + 0.5];
     let [mut rise_y, mut dy_squared] = [[0.0; ROWS]; 2];
     for row in 0..ROWS {

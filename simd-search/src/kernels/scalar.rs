@@ -2,7 +2,7 @@
 
 use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Kernels, Ops};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest};
+use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
 use crate::leaves::{FIRST, Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
@@ -209,14 +209,8 @@ fn rows_that_matter(
     found
 }
 
-fn ask_tile(
-    [x, y]: [u32; 2],
-    rows: [&Row; ROWS],
-    texels: u128,
-    seekers: &mut Seekers,
-    lanes: u64,
-    lit: bool,
-) {
+fn ask_tile(tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool) {
+    let Tile { first: [x, y], rows, texels } = *tile;
     let mut candidates = [Candidate::default(); ROWS * COLUMNS];
     let (mut rest, mut count) = (texels, 0);
     while rest != 0 {

@@ -110,7 +110,7 @@ macro_rules! kernels {
     ($v:ident) => {{
         use crate::build::Family;
         use crate::kernels::{bounds, receivers, vectors};
-        use crate::leaf::{Candidate, Leaf, SiftTest};
+        use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
         use crate::leaves::{Slopes, Tiles};
         use crate::map::{ROWS, Row};
         use crate::pyramid::{LANES, NodeGroup};
@@ -133,13 +133,8 @@ macro_rules! kernels {
             matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool| {
                 receivers::matters($v, leaf, rows, seekers, lanes, lit)
             },
-            ask_tile: |first: [u32; 2],
-                       rows: [&Row; ROWS],
-                       texels: u128,
-                       seekers: &mut Seekers,
-                       lanes: u64,
-                       lit: bool| {
-                receivers::ask_tile($v, first, rows, texels, seekers, lanes, lit)
+            ask_tile: |tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool| {
+                receivers::ask_tile($v, tile, seekers, lanes, lit)
             },
             ask: |texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool| {
                 receivers::ask($v, texels, seekers, lanes, lit)
