@@ -69,6 +69,13 @@ impl Shot {
         })
     }
 
+    /// The search of every pixel.
+    fn full_search(&self) -> (Vec<f32>, Counters) {
+        let parameters = search::Parameters::of(&self.light).unwrap();
+        let full = search::Parameters { group: 1, ..parameters };
+        self.search(Level::detect(), Threads::Pool, &full)
+    }
+
     fn default_search(&self) -> (Vec<f32>, Counters) {
         let parameters = search::Parameters::of(&self.light).unwrap();
         self.search(Level::detect(), Threads::Pool, &parameters)
@@ -143,10 +150,7 @@ fn truth_within_limits() {
 #[test]
 fn interpolation_saves_searches_and_changes_little() {
     let shot = Shot::new("crowded", 0.5, 512, 1024);
-    let adaptive = search::Parameters::of(&shot.light).unwrap();
-    let full = search::Parameters { group: 1, ..adaptive };
-    let (all, every) = shot.search::<f32>(Level::detect(), Threads::Pool, &full);
-    let (some, fewer) = shot.search::<f32>(Level::detect(), Threads::Pool, &adaptive);
+    let ((all, every), (some, fewer)) = (shot.full_search(), shot.default_search());
     let squares = all.iter().zip(&some).map(|(a, b)| f64::from(a - b).powi(2));
     let rmse = (squares.sum::<f64>() / all.len() as f64).sqrt();
     println!("{} of {} searches, rmse {rmse:.5}", fewer.searches, every.searches);
@@ -158,14 +162,20 @@ fn interpolation_saves_searches_and_changes_little() {
 #[test]
 fn interpolation_keeps_narrow_penumbrae() {
     let shot = Shot::new("grille", 0.1, 128, 1024);
-    let adaptive = search::Parameters::of(&shot.light).unwrap();
-    let full = search::Parameters { group: 1, ..adaptive };
-    let (all, _) = shot.search::<f32>(Level::detect(), Threads::Pool, &full);
-    let (some, _) = shot.search::<f32>(Level::detect(), Threads::Pool, &adaptive);
+    let ((all, _), (some, _)) = (shot.full_search(), shot.default_search());
     let greatest = all.iter().zip(&some).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     println!("largest difference {greatest:.3}");
     // Where only the ends of a group count, 0.29.
     assert!(greatest < 0.06, "{greatest}");
+}
+
+/// A point light has no disc to compare the length of a group with.
+#[test]
+fn a_point_light_is_interpolated_too() {
+    let searches = |radius| Shot::new("crowded", radius, 256, 512).default_search().1.searches;
+    let (point, sphere) = (searches(0.0), searches(0.001));
+    println!("{point} searches, with a tiny sphere {sphere}");
+    assert!(point > 0 && point * 10 < sphere * 12);
 }
 
 #[test]

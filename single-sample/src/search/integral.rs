@@ -103,7 +103,7 @@ pub(crate) fn sum(receiver: &Seen, segments: &Segments, groups: Range<usize>) ->
 }
 
 /// The same over those groups that are in reach, of which the bounds must be known. And a radius in
-/// texels which the disc has at least at any blocker there.
+/// texels which the disc has at least at any blocker there: infinite if there is none.
 #[inline(always)]
 pub(crate) fn sum_in_reach(
     receiver: &Seen,
@@ -119,7 +119,10 @@ pub(crate) fn sum_in_reach(
             add_group(&mut sums, receiver, segments, group);
         }
     }
-    (total(&sums), receiver.reach * (least - receiver.nearness))
+    // A point light has no disc: its radius times infinity is no number.
+    let is_clear = least == f32::INFINITY;
+    let disc = if is_clear { least } else { receiver.reach * (least - receiver.nearness) };
+    (total(&sums), disc)
 }
 
 /// The first texel of the cell that a receiver lies in.
