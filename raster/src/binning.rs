@@ -10,7 +10,7 @@ use shadowmap_core::Mesh;
 use crate::bins::{Bins, Grid, Large, Masked, Small};
 use crate::clip::{Clipped, INVALID, SetUp};
 use crate::coverage::Triangle;
-use crate::lanes::{Lanes, Planes, Shared};
+use crate::lanes::{Lanes, Planes, Shared, harmless_scale};
 use crate::mask::Weights;
 use crate::plain::vertices;
 use crate::plane::Plane;
@@ -43,27 +43,40 @@ const BLOCK: usize = 8;
 
 #[inline(always)]
 fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: &mut [Bins]) {
+    let harmless = harmless_scale(source.views[0].max_nearness);
     let nothing = Shared::of(s, [[s.splat_f(0.0); 4]; 3], &source.grid);
     let mut shared = [nothing; BLOCK];
+    let mut covered = [Covered::of(s, source, &source.views[0], first, 0, &nothing); BLOCK];
     let mut tiny = [Tiny::NONE; BLOCK];
-    let mut ready = [Ready::of(s, source, &source.views[0], first, 0, &nothing); BLOCK];
+    let mut planes = [Planes::through(s, &nothing, covered[0].us, 0, harmless); BLOCK];
     for first in (first..end).step_by(BLOCK * S::LANES) {
         let vectors = (end - first).div_ceil(S::LANES).min(BLOCK);
         for (index, shared) in shared[..vectors].iter_mut().enumerate() {
             *shared = gather(s, source, first + index * S::LANES);
         }
         for (view, bins) in source.views.iter().zip(bins.iter_mut()) {
-            let ready = &mut ready[..vectors];
-            for (index, (ready, shared)) in ready.iter_mut().zip(&shared).enumerate() {
+            let covered = &mut covered[..vectors];
+            for (index, (covered, shared)) in covered.iter_mut().zip(&shared).enumerate() {
                 let first = first + index * S::LANES;
                 let wanted = u32::MAX >> (32 - (end - first).min(S::LANES));
-                *ready = Ready::of(s, source, view, first, wanted, shared);
+                *covered = Covered::of(s, source, view, first, wanted, shared);
             }
-            for (tiny, ready) in tiny.iter_mut().zip(&*ready) {
-                tiny.find(s, &ready.lanes, ready.lanes.tiny & ready.drawn, &source.grid);
+            for (tiny, covered) in tiny.iter_mut().zip(&*covered) {
+                tiny.find(s, &covered.lanes, covered.lanes.tiny & covered.drawn, &source.grid);
             }
-            for (index, (ready, tiny)) in ready.iter().zip(&tiny).enumerate() {
-                ready.push(s, source, view, first + index * S::LANES, tiny, bins);
+            for (index, covered) in covered.iter_mut().enumerate() {
+                let tiny = &mut tiny[index];
+                if tiny.is_any() || covered.lanes.small & covered.drawn != 0 {
+                    let (shared, us) = (&shared[index], covered.us);
+                    planes[index] = Planes::through(s, shared, us, covered.drawn, harmless);
+                    if covered.drawn & !planes[index].sound != 0 {
+                        covered.leave_out(planes[index].sound, tiny);
+                    }
+                }
+            }
+            for (index, covered) in covered.iter().enumerate() {
+                let (first, tiny) = (first + index * S::LANES, &tiny[index]);
+                covered.push(s, source, view, first, tiny, &planes[index], bins);
             }
         }
     }
@@ -105,17 +118,17 @@ fn fetch_ahead<S: Simd>(s: S, source: &Source<'_>, first: usize) {
     }
 }
 
-/// A vector of triangles in one view, set up.
+/// A vector of triangles in one view, and where they could be drawn.
 #[derive(Clone, Copy)]
-struct Ready<S: Simd> {
+struct Covered<S: Simd> {
+    us: [S::F; 3],
     lanes: Lanes<S>,
-    planes: Planes<S>,
     drawn: u32,
     large: u32,
     special: u32,
 }
 
-impl<S: Simd> Ready<S> {
+impl<S: Simd> Covered<S> {
     /// The `wanted` lanes of the vector that starts with triangle `first`.
     #[inline(always)]
     fn of(
@@ -125,7 +138,7 @@ impl<S: Simd> Ready<S> {
         first: usize,
         wanted: u32,
         shared: &Shared<S>,
-    ) -> Ready<S> {
+    ) -> Covered<S> {
         let us = shared.us(s, view.rows[0][3]);
         let lanes = Lanes::cover(s, shared, us, wanted, &source.grid);
         let Lanes { mut special, mut drawn, mut large, .. } = lanes;
@@ -135,11 +148,15 @@ impl<S: Simd> Ready<S> {
             drawn &= !special;
             large &= !special;
         }
-        let planes = Planes::through(s, shared, us);
-        // A gradient that means nothing is left to the scalar code.
-        large |= drawn & !planes.sound;
-        drawn &= planes.sound;
-        Ready { lanes, planes, drawn, large, special }
+        Covered { us, lanes, drawn, large, special }
+    }
+
+    /// Leaves the lanes that are not `sound`, whose gradient means nothing, to the scalar code.
+    #[cold]
+    fn leave_out(&mut self, sound: u32, tiny: &mut Tiny) {
+        self.large |= self.drawn & !sound;
+        self.drawn &= sound;
+        tiny.keep(sound);
     }
 
     #[inline(always)]
@@ -150,9 +167,10 @@ impl<S: Simd> Ready<S> {
         view: &Projection,
         first: usize,
         tiny: &Tiny,
+        planes: &Planes<S>,
         bins: &mut Bins,
     ) {
-        let Ready { lanes, planes, drawn, large, special } = self;
+        let Covered { lanes, drawn, large, special, .. } = self;
         if tiny.is_any() {
             let payload = payloads(s, source, first);
             tiny.push(s, lanes, planes, payload, &source.grid, bins);

@@ -28,7 +28,7 @@ pub(crate) struct Shared<S: Simd> {
     y: [S::I; 2],
     height: S::I,
     /// Relative to the centre of the first row, and the extent of each edge.
-    vs: [S::I; 3],
+    vs: [S::I; 2],
     dy: [S::I; 3],
     /// v and nearness of the first corner, and from there to the others.
     start: [S::D; 2],
@@ -45,7 +45,6 @@ impl<S: Simd> Shared<S> {
     pub(crate) fn of(s: S, [a, b, c]: [[S::F; 4]; 3], grid: &Grid) -> Shared<S> {
         let vs = [snap(s, a[2]), snap(s, b[2]), snap(s, c[2])];
         let (y, [low, high]) = bounds(s, vs, grid.height);
-        let vs = relative(s, vs, y[0]);
         let [v, near] = [s.d_from_f(a[2]), s.d_from_f(a[3])];
         let [dy1, dn1] = [s.sub_d(s.d_from_f(b[2]), v), s.sub_d(s.d_from_f(b[3]), near)];
         let [dy2, dn2] = [s.sub_d(s.d_from_f(c[2]), v), s.sub_d(s.d_from_f(c[3]), near)];
@@ -54,7 +53,7 @@ impl<S: Simd> Shared<S> {
             scale: [a[1], b[1], c[1]],
             y,
             height: s.sub_i(high, low),
-            vs,
+            vs: relative(s, vs, y[0]),
             dy: [s.sub_i(vs[1], vs[0]), s.sub_i(vs[2], vs[1]), s.sub_i(vs[0], vs[2])],
             start: [v, near],
             to: [[dy1, dn1], [dy2, dn2]],
@@ -118,8 +117,7 @@ impl<S: Simd> Lanes<S> {
         let (y, vs) = (shared.y, shared.vs);
         let empty = s.or_m(s.greater_i(x[0], x[1]), s.greater_i(y[0], y[1]));
         let in_bounds = wanted & !s.bits(empty) & !special;
-        // From here on relative to the centre of the first texel. What overflows is not small.
-        let us = relative(s, us, x[0]);
+        // What overflows from here on is not small.
         let (zero, one) = (s.splat_i(0), s.splat_i(1));
         let [dy0, dy1, dy2] = shared.dy;
         let mut delta = [
@@ -131,17 +129,24 @@ impl<S: Simd> Lanes<S> {
         // vertex 0, whence the order of the products.
         let area = s.sub_i(s.mul_i(delta[2][0], delta[0][1]), s.mul_i(delta[0][0], delta[2][1]));
         let reversed = s.greater_i(zero, area);
-        let mut edges = [zero; 3];
+        let us = relative(s, us, x[0]);
+        let mut edges = [s.select_i(reversed, s.sub_i(zero, area), area); 3];
         for k in 0..3 {
-            let [dx, dy] = delta[k];
-            let dx = s.select_i(reversed, s.sub_i(zero, dx), dx);
-            let dy = s.select_i(reversed, s.sub_i(zero, dy), dy);
-            delta[k] = [dx, dy];
-            // Up, or level and to the right.
-            let to_the_right = s.select_i(s.greater_i(dx, zero), one, zero);
-            let owned = s.greater_i(to_the_right, s.add_i(dy, dy));
-            let edge = s.sub_i(s.mul_i(dy, us[k]), s.mul_i(dx, vs[k]));
-            edges[k] = s.sub_i(edge, s.select_i(owned, zero, one));
+            for extent in &mut delta[k] {
+                *extent = s.select_i(reversed, s.sub_i(zero, *extent), *extent);
+            }
+            // At any point the three add up to the area.
+            edges[k] = if k < 2 {
+                let [dx, dy] = delta[k];
+                s.sub_i(s.mul_i(dy, us[k]), s.mul_i(dx, vs[k]))
+            } else {
+                s.sub_i(s.sub_i(edges[2], edges[0]), edges[1])
+            };
+        }
+        for (edge, [dx, dy]) in edges.iter_mut().zip(delta) {
+            // An edge owns its centres if it leads up, or is level and leads to the right.
+            let foreign = s.not_negative(s.sub_i(s.shift_left::<16>(dy), dx));
+            *edge = s.select_i(foreign, s.sub_i(*edge, one), *edge);
         }
         let tiny = s.splat_i(tiny::<S>() as i32);
         let is_tiny =
@@ -175,9 +180,9 @@ pub(crate) fn inside<S: Simd>(s: S, [a, b, c]: [S::I; 3]) -> u32 {
 
 /// Snapped coordinates relative to the centre of a texel.
 #[inline(always)]
-fn relative<S: Simd>(s: S, [a, b, c]: [S::I; 3], texel: S::I) -> [S::I; 3] {
+fn relative<S: Simd>(s: S, [a, b, _]: [S::I; 3], texel: S::I) -> [S::I; 2] {
     let center = s.add_i(s.shift_left::<8>(texel), s.splat_i(SUBTEXELS / 2));
-    [s.sub_i(a, center), s.sub_i(b, center), s.sub_i(c, center)]
+    [s.sub_i(a, center), s.sub_i(b, center)]
 }
 
 /// [`crate::coverage::snap`].
@@ -212,9 +217,16 @@ pub(crate) struct Planes<S: Simd> {
 }
 
 impl<S: Simd> Planes<S> {
-    /// [`Plane::through`], in the same order of operations.
+    /// [`Plane::through`], in the same order of operations. Of the `wanted` lanes it is said which
+    /// are sound; `harmless` is [`harmless_scale`] of the view.
     #[inline(always)]
-    pub(crate) fn through(s: S, shared: &Shared<S>, us: [S::F; 3]) -> Planes<S> {
+    pub(crate) fn through(
+        s: S,
+        shared: &Shared<S>,
+        us: [S::F; 3],
+        wanted: u32,
+        harmless: f32,
+    ) -> Planes<S> {
         let (x0, [y0, n0]) = (s.d_from_f(us[0]), shared.start);
         let dx1 = s.sub_d(s.d_from_f(us[1]), x0);
         let dx2 = s.sub_d(s.d_from_f(us[2]), x0);
@@ -223,9 +235,23 @@ impl<S: Simd> Planes<S> {
         let a = s.mul_d(shared.slope, scale);
         let b = s.mul_d(cross(s, dx1, dn2, dx2, dn1), scale);
         let c = s.sub_d(n0, s.add_d(s.mul_d(a, x0), s.mul_d(b, y0)));
-        let sound = is_sound(s, a) & is_sound(s, b) & is_sound(s, c);
+        let mut sound = are_below(s, scale, harmless);
+        if wanted & !sound != 0 {
+            sound = [a, b, c].iter().fold(!0, |all, &x| all & are_below(s, x, STEEPEST));
+        }
         Planes { a, b, c, low: shared.low, high: shared.high, sound }
     }
+}
+
+/// A limit to the reciprocals of determinants, below which every plane of a view is sound: saves to
+/// look at three numbers where one will do.
+///
+/// Extents are at most 2^15 texels and differences of nearness, up to rounding, `max_nearness`. So
+/// gradients stay below 2^17 `max_nearness` times the reciprocal, and what they add up to over 2^15
+/// texels below a quarter of [`STEEPEST`].
+pub(crate) fn harmless_scale(max_nearness: f32) -> f32 {
+    const TEXELS: f32 = (1_u64 << 34) as f32;
+    if max_nearness < 0.1 * STEEPEST { STEEPEST / TEXELS / max_nearness } else { 0.0 }
 }
 
 /// `a b - c d`.
@@ -234,9 +260,9 @@ fn cross<S: Simd>(s: S, a: S::D, b: S::D, c: S::D, d: S::D) -> S::D {
     s.sub_d(s.mul_d(a, b), s.mul_d(c, d))
 }
 
-/// The lanes of less than [`STEEPEST`].
+/// The lanes of a size below `limit`.
 #[inline(always)]
-fn is_sound<S: Simd>(s: S, a: S::D) -> u32 {
+fn are_below<S: Simd>(s: S, a: S::D, limit: f32) -> u32 {
     let a = s.f_from_d(a);
-    s.bits(s.and_m(s.less_f(a, s.splat_f(STEEPEST)), s.less_f(s.splat_f(-STEEPEST), a)))
+    s.bits(s.and_m(s.less_f(a, s.splat_f(limit)), s.less_f(s.splat_f(-limit), a)))
 }

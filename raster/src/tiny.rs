@@ -9,12 +9,15 @@ use crate::simd::{MAX_LANES, Simd, set_bits};
 /// The most columns and rows of bounds, at any level.
 const SIDE: usize = 4;
 
+/// Where the centres of texels lie, from the start of the first one.
+const CENTERS: [f64; SIDE] = [0.5, 1.5, 2.5, 3.5];
+
 /// What the tiny ones of a vector of triangles cover.
 #[derive(Clone, Copy)]
 pub(crate) struct Tiny {
     /// The lanes that cover each texel of their bounds, row by row.
     lanes: [u32; SIDE * SIDE],
-    /// One bit for each texel that any lane covers.
+    /// One bit for each texel that any lane covers, or once did.
     any: u32,
     /// The first row of each lane.
     rows: [u32; MAX_LANES],
@@ -51,6 +54,11 @@ impl Tiny {
                 self.cover::<S, 2, 2>(s, lanes, wide & high);
             }
         }
+    }
+
+    /// Forgets all but the lanes whose bits are set.
+    pub(crate) fn keep(&mut self, bits: u32) {
+        self.lanes.iter_mut().for_each(|lanes| *lanes &= bits);
     }
 
     /// Whether anything is covered.
@@ -113,19 +121,20 @@ impl Tiny {
         let (fx, fy) = (s.d_from_f(s.f_from_i(x)), s.d_from_f(s.f_from_i(y)));
         for index in set_bits(self.any) {
             let (right, down) = (index % SIDE, index / SIDE);
-            let px = s.add_d(fx, s.splat_d(right as f64 + 0.5));
-            let py = s.add_d(fy, s.splat_d(down as f64 + 0.5));
+            let px = s.add_d(fx, s.splat_d(CENTERS[right]));
+            let py = s.add_d(fy, s.splat_d(CENTERS[down]));
             let row = s.add_d(s.mul_d(planes.b, py), planes.c);
             let near = s.f_from_d(s.add_d(s.mul_d(planes.a, px), row));
             let near = clamp(s, near, planes.low, planes.high);
-            let texel = s.add_i(first, s.splat_i(down as i32 * width + right as i32));
+            let offset = down as i32 * width + right as i32;
             let mut rest = self.lanes[index];
             if let Some(band) = self.band {
-                let start = s.splat_i((band << grid.shift) as i32 * width);
-                let fragments = &mut bins.bands[band as usize].fragments;
-                fragments.push(s, rest, s.sub_i(texel, start), near, payload);
+                let start = (band << grid.shift) as i32 * width;
+                let texel = s.add_i(first, s.splat_i(offset - start));
+                bins.bands[band as usize].fragments.push(s, rest, texel, near, payload);
                 continue;
             }
+            let texel = s.add_i(first, s.splat_i(offset));
             while rest != 0 {
                 // The lanes in the band of the first one that is left.
                 let lane = rest.trailing_zeros() as usize % MAX_LANES;
