@@ -1,5 +1,8 @@
 //! Work split into bands of rows that threads never share.
 
+#[cfg(feature = "rayon")]
+use std::sync::{Mutex, PoisonError};
+
 /// How bands are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Threads {
@@ -91,6 +94,48 @@ pub fn for_each_band<B: Bands>(threads: Threads, bands: B, work: &(impl Fn(usize
     }
 }
 
+/// Calls `work(memory, index, band)` for every band of `bands`, with memory that each thread makes once
+/// by `start` and keeps from band to band.
+///
+/// Threads take bands in order, each the next one when it is done with the last: bands may differ
+/// much in the work that they are. Results must depend neither on the order of the calls nor on
+/// what earlier calls left in the memory.
+///
+/// ```
+/// use shadowmap_core::{BandSlice, Threads, for_each_band_with};
+/// let mut rows = [0; 12];
+/// let bands = BandSlice { data: &mut rows, len: 4 };
+/// for_each_band_with(Threads::One, bands, || 0, &|calls, index, band| {
+///     *calls += 1;
+///     band.data.fill(10 * index + *calls);
+/// });
+/// assert_eq!(rows, [1, 1, 1, 1, 12, 12, 12, 12, 23, 23, 23, 23]);
+/// ```
+pub fn for_each_band_with<B: Bands, M>(
+    threads: Threads,
+    bands: B,
+    start: impl Fn() -> M + Sync,
+    work: &(impl Fn(&mut M, usize, B) + Sync),
+) {
+    let count = bands.count();
+    match threads {
+        Threads::One => {
+            let mut memory = start();
+            in_order(0, count, bands, |index, band| work(&mut memory, index, band));
+        }
+        #[cfg(feature = "rayon")]
+        Threads::Pool => {
+            let queue = Mutex::new((0, Some(bands)));
+            on_each(threads.count().min(count), &|| {
+                let mut memory = start();
+                while let Some((index, band)) = next(&queue) {
+                    work(&mut memory, index, band);
+                }
+            });
+        }
+    }
+}
+
 /// Does two things that do not depend on each other, side by side where there are threads for it.
 pub fn both<A: Send, B: Send>(
     threads: Threads,
@@ -104,7 +149,7 @@ pub fn both<A: Send, B: Send>(
     }
 }
 
-fn in_order<B: Bands>(first: usize, count: usize, mut bands: B, work: &impl Fn(usize, B)) {
+fn in_order<B: Bands>(first: usize, count: usize, mut bands: B, mut work: impl FnMut(usize, B)) {
     for index in first..first + count {
         let (band, rest) = bands.split_at(1);
         work(index, band);
@@ -123,4 +168,41 @@ fn on_pool<B: Bands>(first: usize, count: usize, bands: B, work: &(impl Fn(usize
         || on_pool(first, half, head, work),
         || on_pool(first + half, count - half, tail, work),
     );
+}
+
+/// Does the same on several threads.
+#[cfg(feature = "rayon")]
+fn on_each(threads: usize, work: &(impl Fn() + Sync)) {
+    if threads <= 1 {
+        return work();
+    }
+    let half = threads / 2;
+    rayon::join(|| on_each(half, work), || on_each(threads - half, work));
+}
+
+/// Takes the first band of those left, and the index of that.
+#[cfg(feature = "rayon")]
+fn next<B: Bands>(queue: &Mutex<(usize, Option<B>)>) -> Option<(usize, B)> {
+    // Whoever panics here has taken no band.
+    let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
+    let (index, bands) = &mut *queue;
+    let (band, rest) = bands.take().filter(|bands| bands.count() > 0)?.split_at(1);
+    *bands = Some(rest);
+    *index += 1;
+    Some((*index - 1, band))
+}
+
+#[cfg(all(test, feature = "rayon"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_that_take_bands_leave_none_out() {
+        let mut rows = [0; 35];
+        let bands = BandSlice { data: &mut rows, len: 4 };
+        for_each_band_with(Threads::Pool, bands, || 100, &|memory, index, band| {
+            band.data.iter_mut().for_each(|value| *value += *memory + index);
+        });
+        assert!(rows.iter().enumerate().all(|(i, &value)| value == 100 + i / 4));
+    }
 }

@@ -54,7 +54,7 @@ mod receiver;
 mod view;
 mod warp;
 
-pub use bands::{BandSlice, Bands, Threads, both, for_each_band};
+pub use bands::{BandSlice, Bands, Threads, both, for_each_band, for_each_band_with};
 pub use bias::Bias;
 pub use camera::{Camera, SizeError, Surface, Surfaces};
 pub use depth::{DepthConvention, ForeignDepth};
