@@ -22,8 +22,9 @@ pub const PADDING: usize = 16;
 /// One value per pixel of a block, and arbitrary ones after them.
 pub type Lane = [f32; BLOCK + PADDING];
 
-/// A block of neighbouring pixels of one row.
+/// A block of neighbouring pixels of one row. None of its vectors lies in two lines of the cache.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct Block {
     /// World position, x, y and z. Arbitrary where nothing is seen.
     pub position: [Lane; 3],
@@ -35,6 +36,8 @@ pub struct Block {
     pub albedo: [Lane; 3],
     /// Linear RGB that is there anyway.
     pub emission: [Lane; 3],
+    /// Linear RGB, the result.
+    pub color: [Lane; 3],
 }
 
 impl Block {
@@ -42,7 +45,14 @@ impl Block {
     #[must_use]
     pub fn new() -> Block {
         let zero = [[0.0; BLOCK + PADDING]; 3];
-        Block { position: zero, normal: zero, irradiance: zero, albedo: zero, emission: zero }
+        Block {
+            position: zero,
+            normal: zero,
+            irradiance: zero,
+            albedo: zero,
+            emission: zero,
+            color: zero,
+        }
     }
 }
 
@@ -208,14 +218,15 @@ fn add_arriving(
 
 levels!(
     /// What the surfaces send on, linear RGB.
-    reflected, reflected_body, (block: &Block, color: &mut [Lane; 3])
+    reflected, reflected_body, (block: &mut Block)
 );
 
 #[inline(always)]
-fn reflected_body(block: &Block, color: &mut [Lane; 3]) {
+fn reflected_body(block: &mut Block) {
+    let Block { irradiance, albedo, emission, color, .. } = block;
     for (c, color) in color.iter_mut().enumerate() {
         for (i, color) in color[..BLOCK].iter_mut().enumerate() {
-            *color = block.albedo[c][i] * block.irradiance[c][i] + block.emission[c][i];
+            *color = albedo[c][i] * irradiance[c][i] + emission[c][i];
         }
     }
 }

@@ -31,8 +31,6 @@ pub struct Painter<'a> {
     padded: [f32; BLOCK],
     block: Block,
     filled: Option<Filled>,
-    /// Linear RGB, the result.
-    pub color: [Lane; 3],
     facets: Facets<'a>,
 }
 
@@ -62,9 +60,14 @@ impl<'a> Painter<'a> {
             padded: [0.0; BLOCK],
             block: Block::new(),
             filled: None,
-            color: [[0.0; BLOCK + PADDING]; 3],
             facets: Facets::new(shading),
         }
+    }
+
+    /// Linear RGB of the pixels that were shaded last.
+    #[must_use]
+    pub fn color(&self) -> &[Lane; 3] {
+        &self.block.color
     }
 
     /// Shades the pixels (x, y) to (x + count - 1, y).
@@ -78,7 +81,7 @@ impl<'a> Painter<'a> {
         };
         let of_all = are_all(triangles, triangles[0]).then_some(triangles[0]);
         if of_all == Some(0) {
-            fill(&mut self.color, backdrop.to_array());
+            fill(&mut self.block.color, backdrop.to_array());
             return Painted::Alike;
         }
         let nearness = block_from(self.shading.map.nearness(), start, &mut self.padded);
@@ -91,7 +94,7 @@ impl<'a> Painter<'a> {
                 add_light(level, &mut self.block, emitter, visibility);
             }
         }
-        reflected(level, &self.block, &mut self.color);
+        reflected(level, &mut self.block);
         Painted::Each
     }
 

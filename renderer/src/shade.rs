@@ -1,8 +1,6 @@
 //! Colour of every pixel: surfaces under the lights, as far as they see them, and a sky.
 
-use std::sync::{Mutex, PoisonError};
-
-use shadowmap_core::{BandSlice, DepthMap, Level, Threads, View, for_each_band};
+use shadowmap_core::{BandSlice, DepthMap, Level, Threads, View, for_each_band_with};
 
 use crate::emitters::Emitter;
 use crate::light_block::{BLOCK, Lane, PADDING, steps};
@@ -103,26 +101,21 @@ fn rows<T: Copy + Send>(
     let aa = shading.aa as usize;
     let (row, step) = (picture.len, BLOCK / aa);
     let bands = BandSlice { len: ROWS * row, ..picture };
-    // Those that no band needs at the moment: a painter knows what it saw in the bands before.
-    let painters = Mutex::new(Vec::new());
-    let resting = || painters.lock().unwrap_or_else(PoisonError::into_inner);
-    for_each_band(threads, bands, &|band, rows| {
-        let painter = resting().pop();
-        let mut painter = painter.unwrap_or_else(|| Box::new(Painter::new(shading, level)));
+    let start = || Painter::new(shading, level);
+    for_each_band_with(threads, bands, start, &|painter, band, rows| {
         for (y, row) in (ROWS * band..).zip(rows.data.chunks_mut(row)) {
             for (index, out) in row.chunks_mut(3 * step).enumerate() {
                 let (x, count) = (index * step * aa, out.len() / 3);
                 if aa == 1 {
                     match painter.paint(x, y, count) {
-                        Painted::Each => write(&painter.color, out),
-                        Painted::Alike => repeat(out, |pixel| write(&painter.color, pixel)),
+                        Painted::Each => write(painter.color(), out),
+                        Painted::Alike => repeat(out, |pixel| write(painter.color(), pixel)),
                     }
                 } else {
-                    write(&mean(&mut painter, aa, x, y, count), out);
+                    write(&mean(painter, aa, x, y, count), out);
                 }
             }
         }
-        resting().push(painter);
     });
 }
 
@@ -141,7 +134,7 @@ fn mean(painter: &mut Painter<'_>, aa: usize, x: usize, y: usize, count: usize) 
     let mut sum = [[0.0_f32; BLOCK + PADDING]; 3];
     for sub_row in 0..aa {
         painter.paint(x, y * aa + sub_row, count * aa);
-        for (sum, color) in sum.iter_mut().zip(&painter.color) {
+        for (sum, color) in sum.iter_mut().zip(painter.color()) {
             for (sum, samples) in sum.iter_mut().zip(color.chunks_exact(aa)) {
                 *sum += samples.iter().sum::<f32>();
             }
