@@ -100,6 +100,9 @@ pub(crate) trait Work {
 /// Does the work with the instructions of `level`, or in plain Rust where this crate has none by
 /// hand.
 #[allow(unsafe_code)]
+// Not inlined, it would copy the work: whole vectors of what has just been written in pieces, which
+// waits for all earlier writes.
+#[inline(always)]
 pub(crate) fn run(level: Level, work: impl Work) {
     match level.kind() {
         // SAFETY: a `Level` exists only where its instructions do.
