@@ -50,6 +50,7 @@ mod leaves;
 mod naive;
 mod outline;
 mod outlines;
+mod pixels;
 mod planar;
 mod planes;
 mod reach;
@@ -58,13 +59,14 @@ mod recent;
 mod segments;
 mod soa;
 mod squares;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod texel_test;
 mod tile;
 mod tile_search;
 
-use shadowmap_core::{BandSlice, Bias, Camera, Level, Light, Threads, for_each_band};
+use shadowmap_core::{BandSlice, Bias, Camera, Level, Light, Threads, for_each_band_with};
 use simd_search::Pyramid;
 
 use crate::counters::Tally;
@@ -213,19 +215,11 @@ fn run<T: Texel, V: Visibility>(
         tolerance: parameters.tolerance,
     };
     let tally = Tally::default();
-    // A band clears its memory at first, and knows nothing of the cells that others looked at: on one
-    // thread one is best, and on several a few each, to share the work out evenly.
-    let bands = if threads == Threads::One { 1 } else { 4 * threads.count() };
-    let rows = out.len().div_ceil(image * TILE).div_ceil(bands);
-    let bands = BandSlice { data: out, len: rows * (image * TILE) };
-    for_each_band(threads, bands, &|index, band| {
+    let bands = BandSlice { data: out, len: image * TILE };
+    for_each_band_with(threads, bands, Scratch::new, &|scratch, row, out| {
         let mut counters = Counters::default();
-        let mut scratch = Scratch::new();
-        for (row, out) in band.data.chunks_mut(image * TILE).enumerate() {
-            let top = ((index * rows + row) * TILE) as u32;
-            for left in (0..image as u32).step_by(TILE) {
-                tile(&scene, &mut scratch, [left, top], out, &mut counters);
-            }
+        for left in (0..image as u32).step_by(TILE) {
+            tile(&scene, scratch, [left, (row * TILE) as u32], out.data, &mut counters);
         }
         tally.add(&counters);
     });

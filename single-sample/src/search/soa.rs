@@ -1,11 +1,10 @@
 //! The receivers of one tile, as structures of arrays.
 
-use glam::Vec3;
-
 use super::adaptive::{COUNT, TILE};
 use super::geometry::Geometry;
 use super::groups::Groups;
 use super::kernels::{Ops, Work};
+use super::pixels::Pixels;
 use super::receiver::{Horizon, Receiver, plane, receiver_and_horizon};
 
 /// A value per pixel.
@@ -65,40 +64,6 @@ impl Receivers {
     }
 }
 
-/// What the camera sees in a tile.
-pub(crate) struct Pixels {
-    pub nearness: Lane,
-    /// The planes; of those through the pixels' points only the normals if `planes_are_normals`.
-    pub planes: [Lane; 4],
-    pub planes_are_normals: bool,
-    pub ids: [u32; COUNT],
-}
-
-impl Pixels {
-    pub const fn new() -> Pixels {
-        let zero = [0.0; COUNT];
-        Pixels { nearness: zero, planes: [zero; 4], planes_are_normals: true, ids: [0; COUNT] }
-    }
-
-    /// Sets the object and the normal of a pixel.
-    #[inline(always)]
-    pub fn set_normal(&mut self, i: usize, id: u32, normal: Vec3) {
-        self.ids[i] = id;
-        for (lane, value) in self.planes.iter_mut().zip(normal.to_array()) {
-            lane[i] = value;
-        }
-    }
-
-    /// Sets the object and the plane of a pixel.
-    #[inline(always)]
-    pub fn set_plane(&mut self, i: usize, id: u32, plane: [f32; 4]) {
-        self.ids[i] = id;
-        for (lane, value) in self.planes.iter_mut().zip(plane) {
-            lane[i] = value;
-        }
-    }
-}
-
 /// A tile that shows one plane.
 #[derive(Clone, Copy)]
 pub(crate) struct OnePlane {
@@ -129,7 +94,7 @@ impl Work for SetReceivers<'_> {
             for row in 0..TILE {
                 self.set_row(row);
             }
-            self.groups.set(self.pixels, self.receivers);
+            self.groups.set(&self.pixels.surfaces, self.receivers);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! One tile of the image: decided as a whole where possible, else pixel by pixel.
 
-use shadowmap_core::{Camera, Level, Surface, Surfaces};
+use shadowmap_core::{Camera, Level, Surface};
 use simd_search::Pyramid;
 
 use super::adaptive::{COUNT, Grid, NO_KEY, Samples, TILE};
@@ -11,10 +11,11 @@ use super::kernels;
 use super::leaves::{FindBlockers, LeafTest};
 use super::outline::Places;
 use super::outlines::{FindOutlines, Outlines};
+use super::pixels::{Pixels, ReadPixels};
 use super::planar::{FindPlanar, Planar, Shown};
 use super::planes::Planes;
 use super::reach::Reach;
-use super::soa::{OnePlane, Pixels, Receivers, SetReceivers};
+use super::soa::{OnePlane, Receivers, SetReceivers};
 use super::tile_search::SearchTile;
 use crate::{Counters, Found, Visibility};
 
@@ -86,17 +87,23 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         return;
     }
     let Scratch { pixels, receivers, groups, samples, outlines } = scratch;
-    set_nearness(&scene.camera, [left, top], &grid, pixels, counters);
-    let one_plane = match whole {
-        Whole::OnePlane(Surface { normal, id }) => {
-            pixels.ids.fill(id);
-            Some(OnePlane { pixels: grid.height * TILE, normal: normal.to_array() })
-        }
-        _ => {
-            set_surfaces(&scene.camera, [left, top], &grid, pixels);
-            None
-        }
+    let surface = match whole {
+        Whole::OnePlane(surface) => Some(surface),
+        _ => None,
     };
+    let work = ReadPixels {
+        camera: &scene.camera,
+        pixel: [left, top],
+        grid: &grid,
+        id: surface.map(|surface| surface.id),
+        pixels,
+        seen: &mut counters.receivers,
+    };
+    kernels::run(scene.level, work);
+    let one_plane = surface.map(|Surface { normal, .. }| OnePlane {
+        pixels: grid.height * TILE,
+        normal: normal.to_array(),
+    });
     let first = [left as f32 + 0.5, top as f32 + 0.5];
     let geometry = &scene.geometry;
     let work = SetReceivers { geometry, first, pixels, receivers, groups, one_plane };
@@ -123,7 +130,7 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
             pyramid: &scene.pyramid,
             receivers,
             groups,
-            ids: &pixels.ids,
+            ids: pixels.ids(),
             grid: &grid,
             samples,
             outlines,
@@ -216,56 +223,5 @@ fn count_outside<T: Texel>(field: &Field<'_, T>, receivers: &Receivers, counters
         let (u, v) = (receivers.u[i], receivers.v[i]);
         let inside = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
         counters.outside += u32::from(!inside & (receivers.sky[i] > 0.0));
-    }
-}
-
-/// Reads how near to the camera what it sees is. Pixels beyond the image see nothing.
-fn set_nearness(
-    camera: &Camera<'_>,
-    [left, top]: [u32; 2],
-    grid: &Grid,
-    pixels: &mut Pixels,
-    counters: &mut Counters,
-) {
-    let image = camera.map().width() as usize;
-    pixels.nearness = [0.0; COUNT];
-    let mut seen = 0;
-    for row in 0..grid.height {
-        let start = (top as usize + row) * image + left as usize;
-        let nearness = &camera.map().nearness()[start..][..grid.width];
-        for (pixel, &nearness) in pixels.nearness[row * TILE..].iter_mut().zip(nearness) {
-            // False for NaN.
-            let is_seen = nearness > 0.0;
-            *pixel = if is_seen { nearness } else { 0.0 };
-            seen += u32::from(is_seen);
-        }
-    }
-    counters.receivers += seen;
-}
-
-/// Reads which surfaces the camera sees.
-fn set_surfaces(camera: &Camera<'_>, [left, top]: [u32; 2], grid: &Grid, pixels: &mut Pixels) {
-    let image = camera.map().width() as usize;
-    pixels.planes_are_normals = !matches!(camera.surfaces(), Surfaces::FromDepth);
-    let ids = camera.map().ids();
-    for row in 0..grid.height {
-        let start = (top as usize + row) * image + left as usize;
-        let id = |i: usize| ids.get(start + i).copied().unwrap_or(0);
-        for i in 0..grid.width {
-            let k = row * TILE + i;
-            match camera.surfaces() {
-                Surfaces::FromDepth if pixels.nearness[k] > 0.0 => {
-                    let (x, y) = (left + i as u32, top + row as u32);
-                    let (id, plane) = camera.plane(x, y, pixels.nearness[k]);
-                    pixels.set_plane(k, id, plane.0);
-                }
-                Surfaces::FromDepth => {}
-                Surfaces::Normals(normals) => pixels.set_normal(k, id(i), normals[start + i]),
-                Surfaces::Table(table) => {
-                    let surface = table.get(id(i) as usize).unwrap_or(&Surface::UNKNOWN);
-                    pixels.set_normal(k, surface.id, surface.normal);
-                }
-            }
-        }
     }
 }
