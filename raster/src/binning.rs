@@ -17,7 +17,7 @@ use crate::plane::Plane;
 use crate::project::Projection;
 use crate::simd::{MAX_LANES, Simd, kernel, set_bits};
 use crate::tiny::Tiny;
-use crate::vertices::{OUT_OF_RANGE, Vertices};
+use crate::vertices::{OUT_OF_RANGE, Vertices, code_of};
 use crate::{AlphaMask, Payload};
 
 /// What is drawn, and from where.
@@ -58,7 +58,7 @@ fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: 
             let covered = &mut covered[..vectors];
             for (index, (covered, shared)) in covered.iter_mut().zip(&shared).enumerate() {
                 let first = first + index * S::LANES;
-                let wanted = u32::MAX >> (32 - (end - first).min(S::LANES));
+                let wanted = wanted((end - first).min(S::LANES));
                 *covered = Covered::of(s, source, view, first, wanted, shared);
             }
             for (tiny, covered) in tiny.iter_mut().zip(&*covered) {
@@ -80,6 +80,12 @@ fn bin_body<S: Simd>(s: S, source: &Source<'_>, first: usize, end: usize, bins: 
             }
         }
     }
+}
+
+/// The lanes of a vector of so many triangles.
+#[inline(always)]
+fn wanted(triangles: usize) -> u32 {
+    u32::MAX >> (32 - triangles)
 }
 
 /// What all views share of the vector that starts with triangle `first`. Triangles past the end
@@ -126,6 +132,7 @@ struct Covered<S: Simd> {
     drawn: u32,
     large: u32,
     special: u32,
+    invalid: u32,
 }
 
 impl<S: Simd> Covered<S> {
@@ -142,13 +149,16 @@ impl<S: Simd> Covered<S> {
         let us = shared.us(s, view.rows[0][3]);
         let lanes = Lanes::cover(s, shared, us, wanted, &source.grid);
         let Lanes { mut special, mut drawn, mut large, .. } = lanes;
+        // Whoever hides triangles that cannot be seen leaves many that are invalid.
+        let invalid = if special == 0 { 0 } else { special & shared.invalid(s) };
+        special &= !invalid;
         if let Some(mask) = source.mask {
             let masked = set_bits(drawn | large).filter(|lane| mask.is_masked(first + lane));
             special |= masked.fold(0, |bits, lane| bits | 1 << lane);
             drawn &= !special;
             large &= !special;
         }
-        Covered { us, lanes, drawn, large, special }
+        Covered { us, lanes, drawn, large, special, invalid }
     }
 
     /// Leaves the lanes that are not `sound`, whose gradient means nothing, to the scalar code.
@@ -170,7 +180,7 @@ impl<S: Simd> Covered<S> {
         planes: &Planes<S>,
         bins: &mut Bins,
     ) {
-        let Covered { lanes, drawn, large, special, .. } = self;
+        let Covered { lanes, drawn, large, special, invalid, .. } = self;
         if tiny.is_any() {
             let payload = payloads(s, source, first);
             tiny.push(s, lanes, planes, payload, &source.grid, bins);
@@ -179,6 +189,9 @@ impl<S: Simd> Covered<S> {
             push_small(s, source, first, lanes, lanes.small & drawn, planes, bins);
         }
         bins.stats.drawn += drawn.count_ones() as usize;
+        if *invalid != 0 {
+            bins.stats.invalid += invalid.count_ones() as usize;
+        }
         for lane in set_bits(*large) {
             push_large(source, view, first + lane, source.mesh.triangles[first + lane], bins);
         }
@@ -281,12 +294,8 @@ fn push_large(
 #[inline(never)]
 fn push_special(source: &Source<'_>, view: &Projection, index: usize, bins: &mut Bins) {
     let triangle = source.mesh.triangles[index];
-    // The outcodes that stand in v where 1 / Q is NaN tell most of what is to know.
-    let codes = triangle.map(|i| match source.vertices.seen.get(i as usize) {
-        Some([_, scale, v, _]) if scale.is_nan() => v.to_bits(),
-        Some(_) => 0,
-        None => INVALID,
-    });
+    let codes = triangle
+        .map(|i| source.vertices.seen.get(i as usize).map_or(INVALID, |&seen| code_of(seen)));
     if (codes[0] | codes[1] | codes[2]) & INVALID != 0 {
         bins.stats.invalid += 1;
         return;

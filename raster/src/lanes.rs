@@ -63,6 +63,15 @@ impl<S: Simd> Shared<S> {
         }
     }
 
+    /// Lanes with a corner whose index is out of range, or whose U is not a number.
+    #[inline(always)]
+    pub(crate) fn invalid(&self, s: S) -> u32 {
+        let [a, b, c] = self.across;
+        // Infinities of both signs add up to NaN, too, and are as invalid.
+        let sum = s.add_f(s.add_f(a, b), c);
+        !s.bits(s.equal_f(sum, sum))
+    }
+
     /// u of the corners in the view whose U has this constant.
     #[inline(always)]
     pub(crate) fn us(&self, s: S, constant: f32) -> [S::F; 3] {

@@ -13,13 +13,27 @@ use crate::simd::{Simd, kernel};
 /// differs among views beside each other, by the constant of their U; so u is left to the second
 /// stage, and all views read the same.
 ///
-/// A vertex that needs clipping in the first and the last view has a NaN for 1 / Q and, in the bits
-/// of v, what is set in its outcodes in all views; so telling the two apart costs the common case
-/// nothing.
+/// A vertex that needs clipping in the first and the last view has a NaN for 1 / Q and, in the low
+/// bits of v, what is set in its outcodes in all views; so telling the two apart costs the common
+/// case nothing.
 pub(crate) type Seen = [f32; 4];
 
 /// What stands for a vertex whose index is out of range.
-pub(crate) const OUT_OF_RANGE: Seen = [f32::NAN, f32::NAN, f32::from_bits(INVALID), f32::NAN];
+pub(crate) const OUT_OF_RANGE: Seen = [f32::NAN, f32::NAN, with_code(INVALID), f32::NAN];
+
+/// 1, where an outcode is put into the low bits: those of 0 would be denormal, which vectors are
+/// slow to convert.
+const ONE: u32 = 1.0_f32.to_bits();
+
+/// The v of a vertex that needs clipping.
+const fn with_code(code: u32) -> f32 {
+    f32::from_bits(ONE | code)
+}
+
+/// The outcode that a vertex has in all views; 0 if it needs no clipping in one of them.
+pub(crate) fn code_of([_, scale, v, _]: Seen) -> u32 {
+    if scale.is_nan() { v.to_bits() & !ONE } else { 0 }
+}
 
 /// Vertices of a mesh as views beside each other see them. Reused between frames.
 #[derive(Debug, Default)]
@@ -53,7 +67,7 @@ impl Vertices {
                     let codes = views
                         .iter()
                         .map(|view| outcode(view.homogeneous(*position), view.max_nearness));
-                    seen[2] = f32::from_bits(codes.fold(u32::MAX, |all, code| all & code));
+                    seen[2] = with_code(codes.fold(!ONE, |all, code| all & code));
                 }
             }
         });
