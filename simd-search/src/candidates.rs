@@ -2,8 +2,6 @@
 
 use core::ops::Range;
 
-use glam::Vec2;
-
 use crate::descend::{Descent, Path, descend};
 use crate::kernels::Ops;
 use crate::leaf::{Candidate, Leaf, SiftTest, Tile, larger};
@@ -21,7 +19,7 @@ use crate::{IdTest, Map, Side};
 const ROOM: usize = 64;
 /// As many texels of a tile take longer to be asked one after the other, by all receivers at once,
 /// than the whole tile by one receiver after the other.
-const MANY: u32 = 16;
+const MANY: u32 = 8;
 /// The farthest a batch looks, in texels: squared distances that differ then differ after rounding
 /// as well.
 const FARTHEST: f32 = 1024.0;
@@ -43,7 +41,7 @@ struct Candidates<'a> {
     count: usize,
     lanes: u64,
     everyone: u64,
-    /// The receivers' planes have different slopes.
+    /// The receivers' planes have different slopes, by more than what rounding makes of equal ones.
     differ: bool,
     /// A texel that counts for all receivers, close to all of them.
     sure: Option<Sure>,
@@ -81,7 +79,7 @@ pub(crate) fn ask_all(
         count: 0,
         lanes: everyone,
         everyone,
-        differ: reach.spread != Vec2::ZERO,
+        differ: (reach.spread.x + reach.spread.y) * (size + reach.radius) > test.room,
         sure: None,
     };
     descend(ops, pyramid, &mut candidates, test, path);
@@ -255,22 +253,16 @@ impl Descent for Candidates<'_> {
         for row in 0..ROWS {
             leaf.rows |= u32::from((may >> (row * COLUMNS)) as u16 != 0) << row;
         }
-        let matter = ops.matters(&leaf, rows, self.seekers, concerned, self.test.lit);
-        if matter.lanes == 0 {
+        let lanes = ops.matters(&leaf, rows, self.seekers, concerned, self.test.lit);
+        if lanes == 0 {
             return;
         }
-        let mut matters = 0;
-        for row in 0..ROWS {
-            matters |= u128::from((matter.rows >> row & 1) * 0xffff) << (row * COLUMNS);
-        }
-        let may = may & matters;
         if self.ids == IdTest::Any && may.count_ones() >= MANY {
-            let tile = Tile { first: [x, y], rows, texels: may };
-            self.ask_tile(ops, &tile, matter.lanes, sure);
+            self.ask_tile(ops, &Tile { first: [x, y], rows }, lanes, sure);
             return;
         }
         let may = self.passing(ops, [x, y], may);
-        self.lanes = matter.lanes;
+        self.lanes = lanes;
         self.add(ops, [x, y], &rows, may, may & sure);
         self.ask(ops);
         self.lanes = self.everyone;

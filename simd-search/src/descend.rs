@@ -28,12 +28,16 @@ pub(crate) trait Descent {
 struct Frame {
     group: Group,
     /// The bits of the keys of those nodes, which are in the order of the keys, for none of them is
-    /// negative; [`VISITED`] of the others.
+    /// negative, the last of them replaced by the node's number; [`NEVER`] of the others.
     keys: [u32; LANES],
+    /// Nodes before this have been visited.
+    from: u32,
 }
 
 /// After all keys.
-const VISITED: u32 = u32::MAX;
+const NEVER: u32 = u32::MAX;
+/// The bits of a key that are a node's number.
+const NUMBER: u32 = LANES as u32 - 1;
 
 /// The groups on the way down, one for each level.
 pub(crate) struct Path([Frame; MAX_LEVELS]);
@@ -41,7 +45,7 @@ pub(crate) struct Path([Frame; MAX_LEVELS]);
 impl Path {
     pub fn new() -> Self {
         let group = Group { level: 0, x: 0, y: 0, index: 0 };
-        Path([Frame { group, keys: [VISITED; LANES] }; MAX_LEVELS])
+        Path([Frame { group, keys: [NEVER; LANES], from: 0 }; MAX_LEVELS])
     }
 }
 
@@ -69,7 +73,7 @@ pub(crate) fn descend(
         path.0[level] = visit(ops, descent, pyramid, &mut test, Group { level, x, y, index: 0 });
         loop {
             let frame = &mut path.0[level];
-            let Some(lane) = next_node(ops, frame, descent.bound()) else {
+            let Some(lane) = next_node(frame, descent.bound()) else {
                 level += 1;
                 if level > top {
                     break;
@@ -91,8 +95,13 @@ pub(crate) fn descend(
 
 /// Takes the node with the smallest key, if any can still hold an answer.
 #[inline(always)]
-fn next_node(ops: &impl Ops, frame: &mut Frame, bound: f32) -> Option<u32> {
+fn next_node(frame: &mut Frame, bound: f32) -> Option<u32> {
+    // Nodes that have been visited come last, for the difference wraps around: nothing is written
+    // to the keys, which would have to arrive in memory before they could be read as vectors again.
     let mut least = frame.keys;
+    for i in 0..LANES {
+        least[i] = least[i].wrapping_sub(frame.from);
+    }
     let mut count = LANES / 2;
     while count > 0 {
         for i in 0..count {
@@ -100,12 +109,12 @@ fn next_node(ops: &impl Ops, frame: &mut Frame, bound: f32) -> Option<u32> {
         }
         count /= 2;
     }
-    if least[0] == VISITED || f32::from_bits(least[0]) > bound {
+    let key = least[0].wrapping_add(frame.from);
+    if least[0] > f32::INFINITY.to_bits() | NUMBER || f32::from_bits(key & !NUMBER) > bound {
         return None;
     }
-    let lane = ops.equal(&frame.keys, least[0]).trailing_zeros();
-    frame.keys[lane as usize % LANES] = VISITED;
-    Some(lane)
+    frame.from = key + 1;
+    Some(key & NUMBER)
 }
 
 /// The nodes of a group that can hold an answer.
@@ -118,7 +127,7 @@ fn visit(
     group: Group,
 ) -> Frame {
     let Group { level, x, y, .. } = group;
-    let mut frame = Frame { group, keys: [VISITED; LANES] };
+    let mut frame = Frame { group, keys: [NEVER; LANES], from: 0 };
     let Some(index) = pyramid.layout.group(level, x, y) else { return frame };
     frame.group.index = index;
     descent.narrow(test);
@@ -129,8 +138,8 @@ fn visit(
         for i in 0..LANES {
             let key = verdicts.keys[i];
             // A NaN, which does not bound, comes first.
-            let key = if key.is_nan() { 0 } else { key.to_bits() };
-            frame.keys[i] = if nodes >> i & 1 == 1 { key } else { VISITED };
+            let key = if key.is_nan() { 0 } else { key.to_bits() & !NUMBER };
+            frame.keys[i] = if nodes >> i & 1 == 1 { key | i as u32 } else { NEVER };
         }
     }
     frame

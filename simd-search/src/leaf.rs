@@ -58,22 +58,11 @@ impl Leaf {
     }
 }
 
-/// A tile of the map, and which of its texels can be an answer.
+/// A tile of the map.
 pub(crate) struct Tile<'a> {
     /// Column and row of its first texel.
     pub first: [u32; 2],
     pub rows: [&'a Row; ROWS],
-    /// Bit i for texel i, row by row.
-    pub texels: u128,
-}
-
-/// What may matter of a tile.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Matter {
-    /// To whom: bit i for receiver i.
-    pub lanes: u64,
-    /// Which rows: bit i for row i.
-    pub rows: u32,
 }
 
 /// What the kernels that sift ask of 16 x 8 texels.

@@ -4,7 +4,7 @@ use core::cell::Cell;
 
 use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Ops, scalar};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
 use crate::leaves::{Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
@@ -94,7 +94,7 @@ impl<K: Ops> Ops for Counted<K> {
         seekers: &Seekers,
         lanes: u64,
         lit: bool,
-    ) -> Matter {
+    ) -> u64 {
         self.ops.matters(leaf, rows, seekers, lanes, lit)
     }
     fn ask_tile(&self, tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool) {

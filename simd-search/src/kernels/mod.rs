@@ -7,7 +7,7 @@ use shadowmap_core::Level;
 use crate::batch::each_in_pyramid;
 use crate::build::{Bounds, Family, build_upper};
 use crate::classify::{Verdict, classify};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
 use crate::leaves::{Ranges, Slopes, Tiles, build_leaves};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
@@ -68,8 +68,7 @@ pub(crate) trait Ops {
     fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2];
     /// The receivers that a leaf may hold the answer for by its bounds, bit i for receiver i.
     fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64;
-    /// Those of the receivers in `lanes` that texels of a leaf may be the answer for, and the texels'
-    /// rows.
+    /// Those of the receivers in `lanes` that texels of a leaf may be the answer for.
     fn matters(
         &self,
         leaf: &Leaf,
@@ -77,7 +76,7 @@ pub(crate) trait Ops {
         seekers: &Seekers,
         lanes: u64,
         lit: bool,
-    ) -> Matter;
+    ) -> u64;
     /// Lets the receivers in `lanes` ask a tile.
     fn ask_tile(&self, tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool);
     /// Lets receivers ask each of the texels, all that have a bit in `lanes` and others.
@@ -107,7 +106,7 @@ where
     L: Fn(&Tiles<'_>, &Slopes) -> Ranges,
     P: Fn(&NodeGroup, &Family) -> [Bounds; 2],
     C: Fn(&Leaf, &Seekers, bool) -> u64,
-    M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> Matter,
+    M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> u64,
     K: Fn(&Tile<'_>, &mut Seekers, u64, bool),
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
 {
@@ -147,7 +146,7 @@ where
         seekers: &Seekers,
         lanes: u64,
         lit: bool,
-    ) -> Matter {
+    ) -> u64 {
         (self.matters)(leaf, rows, seekers, lanes, lit)
     }
     #[inline(always)]

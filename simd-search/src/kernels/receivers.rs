@@ -1,45 +1,64 @@
 //! The kernels for batches of receivers, written once for all instruction sets that have vectors.
 
+use core::hint::black_box;
 use core::mem::size_of;
 
 use bytemuck::{AnyBitPattern, bytes_of, cast_slice, pod_read_unaligned};
 
 use super::vectors::{LANE, Vectors, bits, gap, load, parts, tilt, width, word};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::receivers::{BATCH, Seekers};
 
 /// [`super::Ops::sift`].
 #[inline(always)]
 pub(crate) fn sift<V: Vectors>(v: V, test: &SiftTest, rows: [&Row; ROWS]) -> [u128; 2] {
-    let [mut some, mut all, mut within] = [[0; ROWS]; 3];
+    let [mut some, mut within] = [[0; ROWS]; 2];
     for part in 0..parts::<V>() {
-        let x = v.add(v.all(test.first), load::<V, _>(&LANE, part));
+        let (x, [lower, _]) = planes(v, test, part);
         let gap = gap(v, x, x, v.all(test.from), v.all(test.to));
         let gap_squared = v.mul(gap, gap);
-        let dx = v.sub(x, v.all(test.u));
-        let rise = v.mul(v.all(test.slope), dx);
-        let margin = v.mul(v.all(test.spread), v.abs(dx));
-        let (lower, upper) = (v.sub(rise, margin), v.add(rise, margin));
         for row in 0..ROWS {
-            let texels = load::<V, _>(rows[row], part);
             let distance = v.add(gap_squared, v.all(test.dy_squared[row]));
             let near = v.at_most(distance, v.all(test.reach_squared));
-            let over_lower = v.greater(texels, v.add(lower, v.all(test.lower[row])));
-            let over_upper = v.greater(texels, v.add(upper, v.all(test.upper[row])));
-            some[row] |= bits(v, v.both(near, over_lower), part);
-            all[row] |= bits(v, v.both(near, over_upper), part);
+            let plane = v.add(lower, v.all(test.lower[row]));
+            let blocks = v.greater(load::<V, _>(rows[row], part), plane);
+            some[row] |= bits(v, v.both(near, blocks), part);
             if test.lit {
                 within[row] |= bits(v, near, part);
             }
         }
     }
-    let (some, all) = (word(some), word(all));
+    let some = word(some);
+    // Many tiles hold nothing that blocks anyone.
+    if !test.lit && some == 0 {
+        return [0; 2];
+    }
+    let mut all = [0; ROWS];
+    for part in 0..parts::<V>() {
+        let (_, [_, upper]) = planes(v, test, part);
+        for row in 0..ROWS {
+            let plane = v.add(upper, v.all(test.upper[row]));
+            all[row] |= bits(v, v.greater(load::<V, _>(rows[row], part), plane), part);
+        }
+    }
+    // The upper plane is nowhere below the lower one.
+    let all = some & word(all);
     if test.lit {
         let within = word(within);
         return [within & !all, within & !some];
     }
     [some, all]
+}
+
+/// The columns of a tile, and what they add to the bounds of the receivers' planes.
+#[inline(always)]
+fn planes<V: Vectors>(v: V, test: &SiftTest, part: usize) -> (V::F, [V::F; 2]) {
+    let x = v.add(v.all(test.first), load::<V, _>(&LANE, part));
+    let dx = v.sub(x, v.all(test.u));
+    let rise = v.mul(v.all(test.slope), dx);
+    let margin = v.mul(v.all(test.spread), v.abs(dx));
+    (x, [v.sub(rise, margin), v.add(rise, margin)])
 }
 
 /// As many receivers as a vector has lanes.
@@ -94,24 +113,25 @@ pub(crate) fn matters<V: Vectors>(
     seekers: &Seekers,
     lanes: u64,
     lit: bool,
-) -> Matter {
+) -> u64 {
     if leaf.holds_unknown(lit) {
-        return Matter { lanes, rows: u32::MAX };
+        return lanes;
     }
-    let mut matter = Matter::default();
-    let width = width::<V>();
+    let (mut matters, width) = (0, width::<V>());
     for at in (0..seekers.count).step_by(width) {
-        let own = (lanes >> at & ((1 << width) - 1)) as u32;
-        if own == 0 {
+        let some = (lanes >> at & ((1 << width) - 1)) as u32;
+        if some == 0 {
             continue;
         }
-        let found = by_texels(v, leaf, rows, &Own::of(seekers, at), lit);
-        for row in 0..ROWS {
-            matter.lanes |= u64::from(own & found[row]) << at;
-            matter.rows |= u32::from(own & found[row] != 0) << row;
-        }
+        let own = Own::of(seekers, at);
+        let none = if lit {
+            by_texels::<V, true>(v, leaf, rows, &own)
+        } else {
+            by_texels::<V, false>(v, leaf, rows, &own)
+        };
+        matters |= u64::from(some & !none) << at;
     }
-    matter
+    matters
 }
 
 /// The receivers that a leaf may matter to, by its bounds.
@@ -139,17 +159,16 @@ fn by_bounds<V: Vectors>(v: V, leaf: &Leaf, own: &Own<V::F>, lit: bool) -> u32 {
     near & !bits(v, none, 0)
 }
 
-/// For each row of a tile, the receivers that a texel of it may count for, however far it is.
+/// The receivers that no texel of a tile counts for, however far it is.
 ///
 /// A plane is a number for each row plus one for each column: two operations for each texel.
 #[inline(always)]
-fn by_texels<V: Vectors>(
+fn by_texels<V: Vectors, const LIT: bool>(
     v: V,
     leaf: &Leaf,
     rows: [&Row; ROWS],
     own: &Own<V::F>,
-    lit: bool,
-) -> [u32; ROWS] {
+) -> u32 {
     let from_u = v.sub(v.all(leaf.first[0]), own.u);
     let from_v = v.sub(v.all(leaf.first[1]), own.v);
     let rise = v.add(v.mul(own.slope[0], from_u), v.mul(own.slope[1], from_v));
@@ -158,30 +177,36 @@ fn by_texels<V: Vectors>(
     for column in 0..COLUMNS {
         rises[column] = v.mul(own.slope[0], v.all(LANE[column]));
     }
-    let mut found = [0; ROWS];
-    for row in 0..ROWS {
-        if leaf.rows >> row & 1 == 0 {
-            continue;
-        }
-        // From the texels up to the plane, but for what the plane has in this row. Four at once,
-        // for each minimum waits for the one before.
-        let mut up = [v.all(if lit { f32::NEG_INFINITY } else { f32::INFINITY }); 4];
+    // From the texels up to the plane: the least where they may block, the most where they may not.
+    let farthest = v.all(if LIT { f32::NEG_INFINITY } else { f32::INFINITY });
+    let mut nearest = farthest;
+    let mut rest = leaf.rows;
+    while rest != 0 {
+        let row = rest.trailing_zeros() as usize % ROWS;
+        rest &= rest - 1;
+        // But for what the plane has in this row. Four at once, for each waits for the one before.
+        let mut up = [farthest; 4];
         for column in 0..COLUMNS {
             let own = v.sub(rises[column], v.all(rows[row][column]));
-            let up = &mut up[column % 4];
-            *up = if lit { v.larger(own, *up) } else { v.smaller(own, *up) };
+            up[column % 4] = closer::<V, LIT>(v, own, up[column % 4]);
         }
+        let up = [closer::<V, LIT>(v, up[0], up[1]), closer::<V, LIT>(v, up[2], up[3])];
+        let up = closer::<V, LIT>(v, up[0], up[1]);
         let plane = v.add(first, v.mul(own.slope[1], v.all(LANE[row])));
-        let none = if lit {
-            let most = v.larger(v.larger(up[0], up[1]), v.larger(up[2], up[3]));
-            v.greater(v.all(-leaf.room), v.add(most, plane))
-        } else {
-            let least = v.smaller(v.smaller(up[0], up[1]), v.smaller(up[2], up[3]));
-            v.greater(v.add(least, plane), v.all(leaf.room))
-        };
-        found[row] = !bits(v, none, 0);
+        nearest = closer::<V, LIT>(v, v.add(up, plane), nearest);
     }
-    found
+    let none = if LIT {
+        v.greater(v.all(-leaf.room), nearest)
+    } else {
+        v.greater(nearest, v.all(leaf.room))
+    };
+    bits(v, none, 0)
+}
+
+/// Of two distances from a texel up to a plane, the one with which it is more likely to count.
+#[inline(always)]
+fn closer<V: Vectors, const LIT: bool>(v: V, a: V::F, b: V::F) -> V::F {
+    if LIT { v.larger(a, b) } else { v.smaller(a, b) }
 }
 
 /// [`super::Ops::ask_tile`].
@@ -218,13 +243,15 @@ fn nearest_in_tile<V: Vectors>(
     i: usize,
     lit: bool,
 ) -> Option<(f32, u32)> {
-    let Tile { first, rows, texels } = *tile;
+    let Tile { first, rows } = *tile;
     let [left, top] = [first[0] as f32 + 0.5, first[1] as f32 + 0.5];
-    let [mut rise_y, mut dy_squared] = [[0.0; ROWS]; 2];
+    let mut by_row = [[0.0; ROWS]; 2];
     for row in 0..ROWS {
         let dy = (top + row as f32) - seekers.v[i];
-        (rise_y[row], dy_squared[row]) = (seekers.slope_y[i] * dy, dy * dy);
+        (by_row[0][row], by_row[1][row]) = (seekers.slope_y[i] * dy, dy * dy);
     }
+    // Kept in memory, for to spread a number from there over a vector takes no operation.
+    let [rise_y, dy_squared] = black_box(&by_row);
     let nothing = v.all(f32::INFINITY);
     // Of each row, as many vectors as the narrowest instruction set needs.
     let mut distances = [[nothing; COLUMNS / 4]; ROWS];
@@ -234,9 +261,6 @@ fn nearest_in_tile<V: Vectors>(
         let dx = v.sub(x, v.all(seekers.u[i]));
         let (dx_squared, rise_x) = (v.mul(dx, dx), v.mul(v.all(seekers.slope_x[i]), dx));
         for row in 0..ROWS {
-            if (texels >> (row * COLUMNS)) as u16 == 0 {
-                continue;
-            }
             let distance = v.add(dx_squared, v.all(dy_squared[row]));
             let rise = v.add(rise_x, v.all(rise_y[row]));
             let plane = v.add(v.add(v.all(seekers.nearness[i]), rise), v.all(seekers.offset[i]));

@@ -2,7 +2,7 @@
 
 use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Kernels, Ops};
-use crate::leaf::{Candidate, Leaf, Matter, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
 use crate::leaves::{FIRST, Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
@@ -168,34 +168,25 @@ fn concerned(leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
     lanes
 }
 
-fn matters(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool) -> Matter {
+fn matters(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool) -> u64 {
     if leaf.holds_unknown(lit) {
-        return Matter { lanes, rows: u32::MAX };
+        return lanes;
     }
-    let mut matter = Matter::default();
+    let mut matters = 0;
     for i in (0..seekers.count).filter(|i| lanes >> i & 1 == 1) {
-        let rows = rows_that_matter(leaf, rows, seekers, lit, i);
-        matter.rows |= rows;
-        matter.lanes |= u64::from(rows != 0) << i;
+        matters |= u64::from(matters_to(leaf, rows, seekers, lit, i)) << i;
     }
-    matter
+    matters
 }
 
-fn rows_that_matter(
-    leaf: &Leaf,
-    rows: [&Row; ROWS],
-    seekers: &Seekers,
-    lit: bool,
-    i: usize,
-) -> u32 {
+fn matters_to(leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lit: bool, i: usize) -> bool {
     let (slope_x, slope_y) = (seekers.slope_x[i], seekers.slope_y[i]);
     let rise = slope_x * (leaf.first[0] - seekers.u[i]) + slope_y * (leaf.first[1] - seekers.v[i]);
     let plane = (seekers.nearness[i] + seekers.offset[i]) + rise;
-    let mut found = 0;
-    for (row, y) in rows.into_iter().zip(0u8..) {
+    rows.into_iter().zip(0u8..).filter(|(_, y)| leaf.rows >> y & 1 == 1).any(|(row, y)| {
         let plane = plane + slope_y * f32::from(y);
         let gaps = row.iter().zip(0u8..).map(|(texel, x)| slope_x * f32::from(x) - texel);
-        let matters = if lit {
+        if lit {
             let above =
                 gaps.fold(f32::NEG_INFINITY, |most, gap| if gap > most { gap } else { most });
             above + plane >= -leaf.room
@@ -203,29 +194,26 @@ fn rows_that_matter(
             let below =
                 gaps.fold(f32::INFINITY, |least, gap| if gap < least { gap } else { least });
             below + plane <= leaf.room
-        };
-        found |= u32::from(matters) << y;
-    }
-    found
+        }
+    })
 }
 
 fn ask_tile(tile: &Tile<'_>, seekers: &mut Seekers, lanes: u64, lit: bool) {
-    let Tile { first: [x, y], rows, texels } = *tile;
-    let mut candidates = [Candidate::default(); ROWS * COLUMNS];
-    let (mut rest, mut count) = (texels, 0);
-    while rest != 0 {
-        let place = rest.trailing_zeros();
-        rest &= rest - 1;
-        let (column, row) = (place % COLUMNS as u32, place / COLUMNS as u32);
-        candidates[count] = Candidate {
-            x: (x + column) as f32 + 0.5,
-            y: (y + row) as f32 + 0.5,
-            nearness: rows[row as usize][column as usize],
-            order: seekers.order(x + column, y + row),
-        };
-        count += 1;
+    let Tile { first: [left, top], rows } = *tile;
+    let mut texels = [Candidate::default(); ROWS * COLUMNS];
+    let mut count = 0;
+    for (row, y) in rows.into_iter().zip(top..) {
+        for (&nearness, x) in row.iter().zip(left..) {
+            // What lies before the first texel is out of reach.
+            if x >= seekers.origin[0] && y >= seekers.origin[1] {
+                let order = seekers.order(x, y);
+                let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
+                texels[count] = Candidate { x, y, nearness, order };
+                count += 1;
+            }
+        }
     }
-    ask(&candidates[..count], seekers, lanes, lit);
+    ask(&texels[..count], seekers, lanes, lit);
 }
 
 fn ask(texels: &[Candidate], seekers: &mut Seekers, lanes: u64, lit: bool) {
