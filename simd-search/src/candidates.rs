@@ -19,10 +19,12 @@ use crate::{IdTest, Map, Side};
 const ROOM: usize = 64;
 /// As many texels of a tile take longer to be asked one after the other, by all receivers at once,
 /// than the whole tile by one receiver after the other.
-const MANY: u32 = 8;
+const MANY: u32 = 16;
 /// The farthest a batch looks, in texels: squared distances that differ then differ after rounding
 /// as well.
 const FARTHEST: f32 = 1024.0;
+/// In a box of more columns and rows than this, receivers differ in what they are close to.
+const WIDE: f32 = 32.0;
 /// Receivers in a box of more columns and rows than this have too little in common.
 const APART: f32 = 96.0;
 
@@ -41,7 +43,8 @@ struct Candidates<'a> {
     count: usize,
     lanes: u64,
     everyone: u64,
-    /// The receivers' planes have different slopes, by more than what rounding makes of equal ones.
+    /// The receivers' planes have different slopes, by more than rounding makes of equal ones, or the
+    /// receivers are not close to the same texels.
     differ: bool,
     /// A texel that counts for all receivers, close to all of them.
     sure: Option<Sure>,
@@ -64,6 +67,7 @@ pub(crate) fn ask_all(
     if size > APART || reach.radius > FARTHEST || !test.is_tame() {
         return false;
     }
+    let is_tilted = (reach.spread.x + reach.spread.y) * (size + reach.radius) > test.room;
     let [columns, rows] = window(&map, reach);
     debug_assert!(columns.len() < WINDOW as usize && rows.len() < WINDOW as usize);
     seekers.origin = [columns.start, rows.start];
@@ -79,7 +83,7 @@ pub(crate) fn ask_all(
         count: 0,
         lanes: everyone,
         everyone,
-        differ: (reach.spread.x + reach.spread.y) * (size + reach.radius) > test.room,
+        differ: size > WIDE || is_tilted,
         sure: None,
     };
     descend(ops, pyramid, &mut candidates, test, path);

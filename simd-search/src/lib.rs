@@ -67,9 +67,9 @@
 //! is farther than it from every receiver. The few that are left (some 30 where a flat floor is
 //! shadowed) are asked by 16 receivers at once, one per lane. On curved surfaces many texels lie
 //! between the two planes: there each receiver compares its own plane with the box's bounds before
-//! any texel is looked at, then with the texels' rows, again 16 receivers at once, and only rows
-//! that matter to somebody are asked: texel by texel or, where many are left, all of the box at once
-//! by one receiver after the other.
+//! any texel is looked at, then with the texels, again 16 receivers at once, and only those that
+//! some texel matters to ask: texel by texel or, where many are left, all of the box at once by one
+//! receiver after the other.
 //!
 //! [`Pyramid::classify`] tells only whether there are any boxes that can matter.
 //!
