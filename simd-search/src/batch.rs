@@ -12,8 +12,10 @@ use crate::search::Search;
 use crate::walk::{EXACT_EXTENT, failing, walk};
 use crate::{Hit, IdTest, Key, Map, Query, Side};
 
-/// Receivers that are asked together where 64 do not agree.
+/// Receivers that are asked together where 64 do not agree, and how far they are from the first of
+/// them at most, in texels along each axis.
 const PART: usize = 16;
+const NEAR: f32 = 24.0;
 /// Fewer are searched one by one.
 const FEW: usize = 4;
 
@@ -33,11 +35,12 @@ impl Pyramid<'_> {
     /// The answers to many queries.
     ///
     /// Up to 64 receivers in sequence share one way down the pyramid if they lie within a hundred
-    /// texels of each other, look at most 1024 texels far, have the same ID test, no jitter and
-    /// [`Key::Distance`]. If they are too far apart, every 16 of them try again, and if those are, each
-    /// searches for itself, with the hit of the one before (of the same side) as its hint unless
-    /// it brings its own. Best are blocks of 8 x 8 pixels in Morton order, in which 16 in sequence
-    /// are neighbours as well. Takes 8 KiB of stack.
+    /// texels of each other (two hundred on one plane), look at most 1024 texels far, have the same ID test, no jitter and
+    /// [`Key::Distance`]. Otherwise up to 16 of them that lie within 24 texels of the first try
+    /// again, and so do the others; of those that still differ each searches for itself, with the
+    /// hit of the one before (of the same side) as its hint unless it brings its own. Best are
+    /// blocks of 8 x 8 pixels in Morton order, in which 16 in sequence are neighbours as well. Takes
+    /// 10 KiB of stack.
     ///
     /// # Panics
     ///
@@ -79,8 +82,8 @@ pub(crate) fn each_in_pyramid(
     }
 }
 
-/// The answers to those of up to 64 queries that look for `side`: together, or 16 by 16, or each
-/// for itself.
+/// The answers to those of up to 64 queries that look for `side`: together, or those of up to 16
+/// neighbours, or each for itself.
 #[inline(always)]
 fn answer(
     ops: &impl Ops,
@@ -95,18 +98,62 @@ fn answer(
     if batch.answer(ops, map, pyramid, scratch, queries, hits) {
         return;
     }
-    for (queries, hits) in queries.chunks(PART).zip(hits.chunks_mut(PART)) {
-        let Some(part) = Batch::of(queries, side, &mut scratch.seekers) else { continue };
-        if part.answer(ops, map, pyramid, scratch, queries, hits) {
-            continue;
+    let mut left = 0;
+    for i in 0..queries.len() {
+        left |= u64::from(queries[i].side == side) << (i % BATCH);
+    }
+    while left != 0 {
+        let (places, count) = neighbours(queries, left);
+        let (mut part, mut found) = ([queries[0]; PART], [None; PART]);
+        for i in 0..count {
+            part[i] = queries[places[i]];
+            left &= !(1 << places[i]);
         }
-        let mut last = None;
-        for (query, hit) in queries.iter().zip(hits) {
-            if query.side == side {
-                *hit = one_in_pyramid(ops, map, pyramid, query, last, &mut scratch.path);
-                last = hit.map(|hit| [hit.x, hit.y]).or(last);
-            }
+        let (part, found) = (&part[..count], &mut found[..count]);
+        answer_part(ops, map, pyramid, side, part, found, scratch);
+        for i in 0..count {
+            hits[places[i]] = found[i];
         }
+    }
+}
+
+/// Where the first of the queries in `left` is and up to 15 more that are close to it, and how many
+/// that are.
+#[inline(always)]
+fn neighbours(queries: &[Query], left: u64) -> ([usize; PART], usize) {
+    let (mut places, mut count, mut rest) = ([0; PART], 0, left);
+    while rest != 0 && count < PART {
+        let i = rest.trailing_zeros() as usize;
+        rest &= rest - 1;
+        let (first, point) = (&queries[places[0]].point, &queries[i].point);
+        let is_near = (point.u - first.u).abs() <= NEAR && (point.v - first.v).abs() <= NEAR;
+        if count == 0 || is_near {
+            places[count] = i;
+            count += 1;
+        }
+    }
+    (places, count)
+}
+
+/// The answers to up to 16 queries that look for `side`: together, or each for itself.
+#[inline(always)]
+fn answer_part(
+    ops: &impl Ops,
+    map: Map<'_>,
+    pyramid: &Pyramid<'_>,
+    side: Side,
+    queries: &[Query],
+    hits: &mut [Option<Hit>],
+    scratch: &mut Scratch,
+) {
+    let Some(part) = Batch::of(queries, side, &mut scratch.seekers) else { return };
+    if part.answer(ops, map, pyramid, scratch, queries, hits) {
+        return;
+    }
+    let mut last = None;
+    for (query, hit) in queries.iter().zip(hits) {
+        *hit = one_in_pyramid(ops, map, pyramid, query, last, &mut scratch.path);
+        last = hit.map(|hit| [hit.x, hit.y]).or(last);
     }
 }
 

@@ -25,8 +25,10 @@ const MANY: u32 = 16;
 const FARTHEST: f32 = 1024.0;
 /// In a box of more columns and rows than this, receivers differ in what they are close to.
 const WIDE: f32 = 32.0;
-/// Receivers in a box of more columns and rows than this have too little in common.
+/// Receivers in a box of more columns and rows than this have too little in common, and those on
+/// one plane.
 const APART: f32 = 96.0;
+const APART_FLAT: f32 = 192.0;
 
 /// The way down for all receivers of a batch.
 struct Candidates<'a> {
@@ -64,10 +66,11 @@ pub(crate) fn ask_all(
 ) -> bool {
     let size = (reach.u[1] - reach.u[0]) + (reach.v[1] - reach.v[0]);
     let test = GroupTest::new(reach, &pyramid.layout, 0.0);
-    if size > APART || reach.radius > FARTHEST || !test.is_tame() {
+    let is_tilted = (reach.spread.x + reach.spread.y) * (size + reach.radius) > test.room;
+    let apart = if is_tilted { APART } else { APART_FLAT };
+    if size > apart || reach.radius > FARTHEST || !test.is_tame() {
         return false;
     }
-    let is_tilted = (reach.spread.x + reach.spread.y) * (size + reach.radius) > test.room;
     let [columns, rows] = window(&map, reach);
     debug_assert!(columns.len() < WINDOW as usize && rows.len() < WINDOW as usize);
     seekers.origin = [columns.start, rows.start];

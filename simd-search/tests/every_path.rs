@@ -36,11 +36,14 @@ fn blocks_of_neighbours() {
         let mut first = query(&texels, &mut random);
         first.hint = None;
         let is_mixed = random.below(3) == 0;
+        // As where the outline of an object runs through a block.
+        let across = random.pick(&[0.0, 0.0, 130.0]);
         let queries: Vec<_> = (0..5 + random.below(80))
             .map(|i| {
                 let mut query = first;
                 query.point.u += (i % 8) as f32 * 0.7;
                 query.point.v += (i / 8) as f32 * 0.9;
+                query.point.u += if i % 8 > 4 { across } else { 0.0 };
                 query.point.nearness += random.unit() * 0.002;
                 query.point.slope.x += random.unit() * 0.0005;
                 if is_mixed && random.below(6) == 0 {
