@@ -37,7 +37,7 @@ const CHUNKS: usize = 48;
 const MOST_BESIDE: usize = 4;
 
 /// The fewest triangles that are worth a part, which every band looks through.
-const LEAST_CHUNK: usize = 1024;
+const LEAST_CHUNK: usize = 2048;
 
 impl Rasterizer {
     /// A rasterizer that uses the instructions of `level` and runs on `threads`.
@@ -197,7 +197,8 @@ impl Rasterizer {
         let mut first = 0;
         loop {
             let end = mesh.triangles.len().min(first + batch);
-            let per_chunk = (end - first).div_ceil(chunks).next_multiple_of(64).max(LEAST_CHUNK);
+            let parts = ((end - first) / LEAST_CHUNK).clamp(1, chunks);
+            let per_chunk = (end - first).div_ceil(parts).next_multiple_of(64);
             let (vertices, projections) = (&self.vertices, &self.projections[..]);
             let source = Source { mesh: *mesh, mask, payload, views: projections, vertices, grid };
             // Few triangles need few parts, and each is looked through for every band.
