@@ -255,18 +255,25 @@ fn push_small<S: Simd>(
     s.store_f(&mut high, planes.high);
     s.store_u(&mut payload, payloads(s, source, first));
     for lane in set_bits(small) {
-        let small = Small {
-            x: x[0][lane] as u16,
-            y: y[0][lane] as u16,
-            last_x: x[1][lane] as u16,
-            last_y: y[1][lane] as u16,
-            edges: [0, 1, 2].map(|k| edges[k][lane] as i32),
-            steps: [[0, 1].map(|k| -(dy[k][lane] as i16)), [0, 1].map(|k| dx[k][lane] as i16)],
-            plane: Plane { a: a[lane], b: b[lane], c: c[lane], low: low[lane], high: high[lane] },
-            payload: payload[lane],
-        };
         for band in y[0][lane] >> grid.shift..=y[1][lane] >> grid.shift {
-            bins.bands[band as usize].small.push(small);
+            // Made anew for each, number by number where it stays: to read it back as a whole, for a
+            // copy, would have to wait.
+            bins.bands[band as usize].small.push(Small {
+                x: x[0][lane] as u16,
+                y: y[0][lane] as u16,
+                last_x: x[1][lane] as u16,
+                last_y: y[1][lane] as u16,
+                edges: [0, 1, 2].map(|k| edges[k][lane] as i32),
+                steps: [[0, 1].map(|k| -(dy[k][lane] as i16)), [0, 1].map(|k| dx[k][lane] as i16)],
+                plane: Plane {
+                    a: a[lane],
+                    b: b[lane],
+                    c: c[lane],
+                    low: low[lane],
+                    high: high[lane],
+                },
+                payload: payload[lane],
+            });
         }
     }
 }
