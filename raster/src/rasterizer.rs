@@ -198,7 +198,7 @@ impl Rasterizer {
         loop {
             let end = mesh.triangles.len().min(first + batch);
             let parts = ((end - first) / LEAST_CHUNK).clamp(1, chunks);
-            let per_chunk = (end - first).div_ceil(parts).next_multiple_of(64);
+            let per_chunk = (end - first).div_ceil(parts).next_multiple_of(64).max(64);
             let (vertices, projections) = (&self.vertices, &self.projections[..]);
             let source = Source { mesh: *mesh, mask, payload, views: projections, vertices, grid };
             // Few triangles need few parts, and each is looked through for every band.
