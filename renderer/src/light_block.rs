@@ -64,19 +64,19 @@ impl Default for Block {
 
 /// Defines a function that takes a [`Level`] first and runs `body` compiled for it.
 macro_rules! levels {
-    ($(#[$doc:meta])* $name:ident, $body:ident, ($($arg:ident: $type:ty),*)) => {
+    ($(#[$doc:meta])* $name:ident, $body:ident, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
         $(#[$doc])*
         #[allow(unsafe_code)]
-        pub fn $name(level: Level, $($arg: $type),*) {
+        pub fn $name(level: Level, $($arg: $type),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx2")]
-                fn avx2($($arg: $type),*) {
-                    $body($($arg),*);
+                fn avx2($($arg: $type),*) $(-> $result)? {
+                    $body($($arg),*)
                 }
                 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-                fn avx512($($arg: $type),*) {
-                    $body($($arg),*);
+                fn avx512($($arg: $type),*) $(-> $result)? {
+                    $body($($arg),*)
                 }
                 match level.kind() {
                     // SAFETY: a `Level` of this kind is the proof that the machine has AVX2.
@@ -87,7 +87,7 @@ macro_rules! levels {
                 }
             }
             let _ = level;
-            $body($($arg),*);
+            $body($($arg),*)
         }
     };
 }

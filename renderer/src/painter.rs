@@ -79,9 +79,9 @@ impl<'a> Painter<'a> {
             let t = (y as f32 + 0.5) / camera.height() as f32;
             BACKDROP[0] * (1.0 - t) + BACKDROP[1] * t
         };
-        let of_all = are_all(triangles, triangles[0]).then_some(triangles[0]);
+        let of_all = are_all(level, triangles, triangles[0]).then_some(triangles[0]);
         if of_all == Some(0) {
-            fill(&mut self.block.color, backdrop.to_array());
+            fill(self.level, &mut self.block.color, backdrop.to_array());
             return Painted::Alike;
         }
         let nearness = block_from(self.shading.map.nearness(), start, &mut self.padded);
@@ -103,7 +103,7 @@ impl<'a> Painter<'a> {
     fn see(&mut self, triangles: &[u32], of_all: Option<u32>, backdrop: Vec3) {
         if let Some(filled) = self.filled.as_ref().filter(|filled| of_all == Some(filled.triangle))
         {
-            fill(&mut self.block.irradiance, filled.surroundings);
+            fill(self.level, &mut self.block.irradiance, filled.surroundings);
             return;
         }
         look_up(self.level, &mut self.facets, triangles, backdrop, &mut self.block);
@@ -119,8 +119,13 @@ impl<'a> Painter<'a> {
     }
 }
 
+levels!(
+    /// Sets all values of each lane.
+    fill, fill_body, (lanes: &mut [Lane; 3], values: [f32; 3])
+);
+
 #[inline(always)]
-fn fill(lanes: &mut [Lane; 3], values: [f32; 3]) {
+fn fill_body(lanes: &mut [Lane; 3], values: [f32; 3]) {
     for (lane, value) in lanes.iter_mut().zip(values) {
         *lane = [value; BLOCK + PADDING];
     }
@@ -202,8 +207,13 @@ fn starts_of_runs(triangles: &[u32]) -> u64 {
     pairs.fold(1, |starts, (i, (a, b))| starts | u64::from(a != b) << (i + 1))
 }
 
-/// Whether all have this index. It looks at all of them, which vector code does faster than to
-/// stop at the first that differs.
-fn are_all(triangles: &[u32], index: u32) -> bool {
+levels!(
+    /// Whether all have this index. It looks at all of them, which vector code does faster than to
+    /// stop at the first that differs.
+    are_all, are_all_body, (triangles: &[u32], index: u32) -> bool
+);
+
+#[inline(always)]
+fn are_all_body(triangles: &[u32], index: u32) -> bool {
     triangles.iter().fold(0, |different, triangle| different | (triangle ^ index)) == 0
 }

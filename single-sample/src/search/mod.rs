@@ -50,6 +50,7 @@ mod leaves;
 mod naive;
 mod outline;
 mod outlines;
+mod output;
 mod pixels;
 mod planar;
 mod planes;

@@ -70,7 +70,9 @@ impl FindPlanar<'_> {
         let image = map.width() as usize;
         let start = top as usize * image + left as usize;
         let nearness = |x: usize, y: usize| map.nearness()[start + y * image + x];
-        if width < TILE {
+        // False for NaN.
+        let sees_something = nearness(0, 0) > 0.0;
+        if width < TILE || !sees_something {
             return None;
         }
         let surface = self.surface(start, height)?;

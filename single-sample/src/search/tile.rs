@@ -3,7 +3,7 @@
 use shadowmap_core::{Camera, Level, Surface};
 use simd_search::Pyramid;
 
-use super::adaptive::{COUNT, Grid, NO_KEY, Samples, TILE};
+use super::adaptive::{Grid, Samples, TILE};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
@@ -11,6 +11,7 @@ use super::kernels;
 use super::leaves::{FindBlockers, LeafTest};
 use super::outline::Places;
 use super::outlines::{FindOutlines, Outlines};
+use super::output::WriteTile;
 use super::pixels::{Pixels, ReadPixels};
 use super::planar::{FindPlanar, Planar, Shown};
 use super::planes::Planes;
@@ -108,7 +109,6 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     let geometry = &scene.geometry;
     let work = SetReceivers { geometry, first, pixels, receivers, groups, one_plane };
     kernels::run(scene.level, work);
-    count_outside(&scene.field, receivers, counters);
     let work = FindOutlines {
         geometry,
         field: &scene.field,
@@ -122,7 +122,6 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
     let is_decided = outlines.groups.iter().all(Option::is_none);
     if is_decided {
         counters.decided_tiles += 1;
-        samples.values = [0.0; COUNT];
     } else {
         let work = SearchTile {
             geometry,
@@ -138,22 +137,16 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
         };
         kernels::run(scene.level, work);
     }
-    for row in 0..grid.height {
-        let out = &mut out[row * image + left as usize..][..grid.width];
-        for (i, out) in out.iter_mut().enumerate() {
-            let k = row * TILE + i;
-            let visible = receivers.sky[k] - samples.values[k];
-            let found = match (
-                is_decided || samples.keys[k] == NO_KEY,
-                samples.searched[row] >> i & 1 == 1,
-            ) {
-                (true, _) => Found::Decided,
-                (_, true) => Found::Searched,
-                (_, false) => Found::Interpolated,
-            };
-            *out = V::from_pixel(if visible > 0.0 { visible } else { 0.0 }, found);
-        }
-    }
+    let work = WriteTile {
+        field: &scene.field,
+        grid: &grid,
+        receivers,
+        samples: (!is_decided).then_some(samples),
+        out: &mut out[left as usize..],
+        image,
+        counters,
+    };
+    kernels::run(scene.level, work);
 }
 
 /// What is known of a tile at once.
@@ -214,14 +207,4 @@ fn may_block<T: Texel>(scene: &Scene<'_, T>, test: LeafTest, places: Places) -> 
     let pyramid = &scene.pyramid;
     kernels::run(scene.level, FindBlockers { pyramid, test, places, found: &mut found });
     found
-}
-
-/// Counts the receivers outside the map.
-fn count_outside<T: Texel>(field: &Field<'_, T>, receivers: &Receivers, counters: &mut Counters) {
-    let (width, height) = (field.width as f32, field.height as f32);
-    for i in 0..COUNT {
-        let (u, v) = (receivers.u[i], receivers.v[i]);
-        let inside = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
-        counters.outside += u32::from(!inside & (receivers.sky[i] > 0.0));
-    }
 }
