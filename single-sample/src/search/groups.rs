@@ -61,7 +61,10 @@ impl Groups {
     /// Which pixels see something of the light, and belong to a group for which that is so.
     #[inline(always)]
     pub fn pixels_of(&self, counts: impl Fn(usize) -> bool) -> [bool; COUNT] {
-        let mut found = self.of.map(|of| of != NO_GROUP);
+        let mut found = [false; COUNT];
+        for (found, of) in found.iter_mut().zip(&self.of) {
+            *found = *of != NO_GROUP;
+        }
         for group in 0..GROUPS {
             if self.members[group] > 0 && !counts(group) {
                 for (found, of) in found.iter_mut().zip(&self.of) {

@@ -88,6 +88,9 @@ impl Reach {
             let texels = |range: [i32; 2]| range[0].max(0) as u32..(range[1] + 1) as u32;
             let (columns, rows) = (texels(reach.places.columns), texels(reach.places.rows));
             let nearest = pyramid.greatest(columns, rows);
+            if nearest >= reach.greatest {
+                break;
+            }
             reach = Reach::within(g, reach.greatest.min(nearest), size, extent)?;
         }
         Some(reach)
