@@ -60,12 +60,12 @@ impl Known {
         at: [i32; 2],
         room: &mut Room,
     ) -> Known {
-        let some = cell_bits(ops, field, &plane.test(-plane.room), None, at, room);
+        let some = cell_bits(ops, field, &plane.test(-plane.room), None, None, at, room);
         let known = |least: f32| Known { at, plane: plane.number, least, bits: some };
         if some == CellBits::NONE {
             return known(f32::INFINITY);
         }
-        let all = cell_bits(ops, field, &plane.test(plane.room), None, at, room);
+        let all = cell_bits(ops, field, &plane.test(plane.room), None, None, at, room);
         known(if some == all { least(field, at, &all) } else { f32::NEG_INFINITY })
     }
 }

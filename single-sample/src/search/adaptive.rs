@@ -1,12 +1,17 @@
 //! Adaptive sampling (Brabec and Seidel 2002, section 4.3), within one tile of the image.
 //!
+//! The paper searches groups of pixels along some columns, and then along all rows between them. Here
+//! rows come first, for all columns between two rows can be looked at side by side; and what these
+//! need from a row between is searched in groups along that row, again.
+//!
 //! Unlike in the paper, not only the keys of a group's pixels decide whether it is interpolated, but
-//! also the values: those of the ends, and where these differ, that of the middle. And where a group
-//! is longer than the discs of its ends are wide, a whole penumbra may lie between them: there the
-//! middle is asked for in any case.
+//! also the values ([`super::rule`]).
 
+use super::curve::Curve;
+use super::list::List;
+use super::rule::{Rule, bits, least};
 use super::soa::Receivers;
-use crate::math::sqrt;
+use super::strip::Strip;
 
 /// Pixels along each side of a tile.
 pub(crate) const TILE: usize = 16;
@@ -28,36 +33,31 @@ pub(crate) struct Samples {
     /// A radius in texels which the light's disc has at least at any blocker that may hide part of
     /// it, from there or from the pixels that were interpolated.
     pub discs: [f32; COUNT],
-    wanted: [u8; COUNT],
-    wanted_len: usize,
-    known: Bits,
     /// Which values come from a search.
     pub searched: Bits,
+    wanted: List<u8, COUNT>,
     /// Which pixels have the key of the next one in the row, and of the one below.
-    same: [Bits; 2],
-    /// Groups to be looked at, and those they are split into.
-    open: [[Group; COUNT]; 2],
-    side: usize,
-    open_len: usize,
+    pub(super) same: [Bits; 2],
+    /// Groups along rows, and along columns between these rows. All but the last few are done.
+    groups: List<Group, COUNT>,
+    groups_done: usize,
+    pub(super) strips: List<Strip, { 2 * TILE }>,
+    strips_done: usize,
+    /// Pixels that strips need.
+    pub(super) asked: Bits,
 }
 
 /// Of pixel (x, y), bit x of element y.
 pub(crate) type Bits = [u16; TILE];
 
-/// Pixels in a line, the first and the last of which are known or wanted.
+/// Pixels side by side in a row, the first and the last of which are known or asked for.
 #[derive(Clone, Copy)]
 struct Group {
     first: u8,
     last: u8,
-    /// From one to the next: 1 along a row, [`TILE`] along a column.
-    step: u8,
     /// Whether the one in the middle is, too.
     is_halved: bool,
 }
-
-/// How far the middle of a group may be from the straight line between its ends, relative to the
-/// greatest difference of these.
-const BEND: f32 = 0.5;
 
 /// When pixels between two others are interpolated.
 #[derive(Clone, Copy, Debug)]
@@ -65,32 +65,18 @@ pub(crate) struct Grid {
     /// Pixels of the tile, at most [`TILE`] along each side.
     pub width: usize,
     pub height: usize,
-    /// Pixels from one searched column to the next.
+    /// Pixels from one searched row to the next.
     pub group: usize,
     /// The greatest difference of the two ends.
     pub tolerance: f32,
 }
 
 impl Grid {
-    /// The next searched pixel of a line of `count`.
-    fn next(&self, at: usize, count: usize) -> usize {
-        (at + self.group).min(count - 1)
-    }
-}
-
-/// When a group is interpolated without a look at its middle.
-struct Rule<'a> {
-    tolerance: f32,
-    receivers: &'a Receivers,
-}
-
-impl Rule<'_> {
-    /// Texels from one pixel's place in the map to another's.
+    /// The first and the last of each group from `first` to `last`.
     #[inline(always)]
-    fn distance(&self, first: usize, last: usize) -> f32 {
-        let Receivers { u, v, .. } = self.receivers;
-        let (du, dv) = (u[last] - u[first], v[last] - v[first]);
-        sqrt(du * du + dv * dv)
+    fn groups(&self, first: usize, last: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let group = self.group;
+        (first..last).step_by(group).map(move |start| [start, (start + group).min(last)])
     }
 }
 
@@ -100,126 +86,163 @@ impl Samples {
             keys: [NO_KEY; COUNT],
             values: [0.0; COUNT],
             discs: [f32::INFINITY; COUNT],
-            wanted: [0; COUNT],
-            wanted_len: 0,
-            known: [0; TILE],
             searched: [0; TILE],
+            wanted: List::new(0),
             same: [[0; TILE]; 2],
-            open: [[Group { first: 0, last: 0, step: 0, is_halved: false }; COUNT]; 2],
-            side: 0,
-            open_len: 0,
+            groups: List::new(Group { first: 0, last: 0, is_halved: false }),
+            groups_done: 0,
+            strips: List::new(Strip::NONE),
+            strips_done: 0,
+            asked: [0; TILE],
         }
     }
 
     /// The pixels to be searched now.
+    #[inline(always)]
     pub fn wanted(&self) -> &[u8] {
-        &self.wanted[..self.wanted_len]
+        self.wanted.all()
     }
 
-    /// Asks for the ends of all groups along every `group`-th column.
+    /// Asks for the ends of all groups along every `group`-th row.
     #[inline(always)]
     pub fn begin(&mut self, grid: &Grid) {
         self.compare_keys();
-        (self.known, self.searched) = ([0; TILE], [0; TILE]);
+        self.searched = [0; TILE];
         self.values = [0.0; COUNT];
         self.discs = [f32::INFINITY; COUNT];
-        self.wanted_len = 0;
-        self.open_len = 0;
-        let mut x = 0;
-        loop {
-            self.want(x);
-            let mut y = 0;
-            while y + 1 < grid.height {
-                let next = grid.next(y, grid.height);
-                self.want(next * TILE + x);
-                self.open(y * TILE + x, next * TILE + x, TILE, false);
-                y = next;
-            }
-            if x + 1 >= grid.width {
-                return;
-            }
-            x = grid.next(x, grid.width);
+        self.wanted.clear();
+        self.groups.clear();
+        self.strips.clear();
+        (self.groups_done, self.strips_done) = (0, 0);
+        let last = grid.width - 1;
+        self.ask_row(grid, 0, [0, last]);
+        for [first_row, last_row] in grid.groups(0, grid.height - 1) {
+            self.ask_row(grid, last_row, [0, last]);
+            let columns = u16::MAX >> (TILE - grid.width);
+            self.strips.push(Strip::new([first_row, last_row], columns));
         }
     }
 
     /// Interpolates what the pixels searched so far allow, and asks for the middles of the other
-    /// groups. False once there are none; columns and rows each end that way.
+    /// groups; false once there are none.
+    #[inline(always)]
     pub fn refine(&mut self, grid: &Grid, receivers: &Receivers) -> bool {
-        self.wanted_len = 0;
-        let count = self.open_len;
-        if count == 0 {
-            return false;
-        }
+        self.wanted.clear();
         let rule = Rule { tolerance: grid.tolerance, receivers };
-        let side = self.side;
-        (self.side, self.open_len) = (1 - side, 0);
-        for i in 0..count {
-            let group = self.open[side][i];
-            match group.step {
-                1 => self.settle::<1>(group, &rule),
-                _ => self.settle::<TILE>(group, &rule),
+        loop {
+            let groups = self.groups_done..self.groups.len();
+            let strips = self.strips_done..self.strips.len();
+            if !groups.is_empty() {
+                self.groups_done = groups.end;
+                for i in groups {
+                    self.settle(self.groups.all()[i], &rule);
+                }
+            } else if !strips.is_empty() {
+                self.strips_done = strips.end;
+                self.asked = [0; TILE];
+                for i in strips {
+                    self.settle_strip(self.strips.all()[i], &rule);
+                }
+                self.ask_rows(grid);
+            } else {
+                return false;
+            }
+            if !self.wanted.all().is_empty() {
+                return true;
             }
         }
-        true
+    }
+
+    /// Asks for what strips need of the rows in their middle, in groups along these.
+    #[inline(always)]
+    fn ask_rows(&mut self, grid: &Grid) {
+        for y in 0..TILE {
+            let mut columns = u32::from(self.asked[y]);
+            while columns != 0 {
+                let first = columns.trailing_zeros();
+                let end = first + (!(columns >> first)).trailing_zeros();
+                columns &= u32::MAX << end;
+                self.ask_row(grid, y, [first as usize, end as usize - 1]);
+            }
+        }
+    }
+
+    /// Asks for the pixels from column `first` to `last` of a row, in groups.
+    #[inline(always)]
+    fn ask_row(&mut self, grid: &Grid, y: usize, [first, last]: [usize; 2]) {
+        let row = y * TILE;
+        self.want(row + first);
+        for [first, last] in grid.groups(row + first, row + last) {
+            self.want(last);
+            self.groups.push(Group { first: first as u8, last: last as u8, is_halved: false });
+        }
     }
 
     /// Interpolates a group or asks for its middle; once that is known, looks at both halves.
     #[inline(always)]
-    fn settle<const STEP: usize>(&mut self, group: Group, rule: &Rule<'_>) {
+    fn settle(&mut self, group: Group, rule: &Rule<'_>) {
         let (first, last) = (usize::from(group.first), usize::from(group.last));
-        let length = (last - first) / STEP;
         if !group.is_halved {
-            return self.halve::<STEP>(first, last, false, rule);
+            return self.halve(first, last, rule);
         }
-        let middle = first + length / 2 * STEP;
-        let [start, between, stop] = [first, middle, last].map(|pixel| self.values[pixel]);
-        let straight = start + (stop - start) / length as f32 * (length / 2) as f32;
-        let is_straight = (between - straight).abs() <= rule.tolerance * BEND
-            && self.agrees::<STEP>(first, length);
-        self.halve::<STEP>(first, middle, is_straight, rule);
-        self.halve::<STEP>(middle, last, is_straight, rule);
+        let length = last - first;
+        let half = length / 2;
+        let middle = first + half;
+        let ends = [self.values[first], self.values[last]];
+        let line = Curve::line(ends, length);
+        let bend = self.values[middle] - line.at(half, length);
+        let disc = least(least(self.discs[first], self.discs[middle]), self.discs[last]);
+        let gap = rule.distance(first, last) * 0.5;
+        if rule.fits(&ends, bend, gap <= disc, length) && self.row_agrees(first, length) {
+            let curve = line.bent(half, length, bend);
+            self.interpolate([first, middle], [first, length], &curve, disc);
+            self.interpolate([middle, last], [first, length], &curve, disc);
+        } else {
+            self.halve(first, middle, rule);
+            self.halve(middle, last, rule);
+        }
     }
 
-    /// Interpolates between two pixels if that is known to be `fine` or their values are close and
-    /// nothing fits between them, else asks for the one in their middle.
+    /// Interpolates a group whose ends are close, or asks for its middle.
     #[inline(always)]
-    fn halve<const STEP: usize>(&mut self, first: usize, last: usize, fine: bool, rule: &Rule<'_>) {
-        let length = (last - first) / STEP;
+    fn halve(&mut self, first: usize, last: usize, rule: &Rule<'_>) {
+        let length = last - first;
         if length <= 1 {
             return;
         }
-        let (start, stop) = (self.values[first], self.values[last]);
-        let disc = self.discs[first].min(self.discs[last]);
-        let is_close = (stop - start).abs() <= rule.tolerance
-            && self.agrees::<STEP>(first, length)
-            && disc >= rule.distance(first, last);
-        if fine | is_close {
-            let slope = (stop - start) / length as f32;
-            for i in 1..length {
-                let pixel = first + i * STEP;
-                self.values[pixel] = start + slope * i as f32;
-                self.discs[pixel] = disc;
-                self.known[pixel / TILE] |= 1 << (pixel % TILE);
-            }
+        let ends = [self.values[first], self.values[last]];
+        let disc = least(self.discs[first], self.discs[last]);
+        let gap = rule.distance(first, last);
+        if rule.are_close(&ends, gap <= disc) && self.row_agrees(first, length) {
+            self.interpolate([first, last], [first, length], &Curve::line(ends, length), disc);
         } else {
-            self.want(first + length / 2 * STEP);
+            self.want(first + length / 2);
             if length > 2 {
-                self.open(first, last, STEP, true);
+                self.groups.push(Group { first: first as u8, last: last as u8, is_halved: true });
             }
+        }
+    }
+
+    /// Interpolates what lies between two pixels of a group.
+    #[inline(always)]
+    fn interpolate(
+        &mut self,
+        [from, to]: [usize; 2],
+        [first, length]: [usize; 2],
+        curve: &Curve,
+        disc: f32,
+    ) {
+        for pixel in from + 1..to {
+            self.values[pixel] = curve.at(pixel - first, length);
+            self.discs[pixel] = disc;
         }
     }
 
     /// Whether so many pixels after the first one have its key.
     #[inline(always)]
-    fn agrees<const STEP: usize>(&self, first: usize, length: usize) -> bool {
-        let (x, y) = (first % TILE, first / TILE);
-        if STEP == 1 {
-            let all = ((1 << length) - 1) << x;
-            u32::from(self.same[0][y]) & all == all
-        } else {
-            let column = &self.same[1][y..y + length];
-            column.iter().fold(u16::MAX, |all, row| all & row) >> x & 1 == 1
-        }
+    fn row_agrees(&self, first: usize, length: usize) -> bool {
+        let all = ((1 << length) - 1) << (first % TILE);
+        u32::from(self.same[0][first / TILE]) & all == all
     }
 
     #[inline(always)]
@@ -227,46 +250,23 @@ impl Samples {
         let keys = self.keys.as_chunks::<TILE>().0;
         for y in 0..TILE {
             let (row, below) = (&keys[y], &keys[(y + 1).min(TILE - 1)]);
-            let (mut right, mut down) = (0, 0);
+            let (mut right, mut down) = ([0; TILE], [0; TILE]);
             for x in 0..TILE {
-                down |= u16::from(row[x] == below[x]) << x;
+                down[x] = u8::from(row[x] == below[x]);
             }
             for x in 0..TILE - 1 {
-                right |= u16::from(row[x] == row[x + 1]) << x;
+                right[x] = u8::from(row[x] == row[x + 1]);
             }
-            (self.same[0][y], self.same[1][y]) = (right, down);
+            (self.same[0][y], self.same[1][y]) = (bits(&right), bits(&down));
         }
     }
 
-    /// After the columns: the groups along all rows between them.
-    pub fn begin_rows(&mut self, grid: &Grid) {
-        self.wanted_len = 0;
-        self.open_len = 0;
-        for row in 0..grid.height {
-            let mut x = 0;
-            while x + 1 < grid.width {
-                let next = grid.next(x, grid.width);
-                self.open(row * TILE + x, row * TILE + next, 1, false);
-                x = next;
-            }
-        }
-    }
-
-    fn open(&mut self, first: usize, last: usize, step: usize, is_halved: bool) {
-        self.open[self.side][self.open_len] =
-            Group { first: first as u8, last: last as u8, step: step as u8, is_halved };
-        self.open_len += 1;
-    }
-
+    /// Asks for a pixel, unless its value does not matter.
+    #[inline(always)]
     fn want(&mut self, pixel: usize) {
-        let (row, bit) = (pixel / TILE, 1 << (pixel % TILE));
-        if self.known[row] & bit == 0 {
-            self.known[row] |= bit;
-            if self.keys[pixel] != NO_KEY {
-                self.searched[row] |= bit;
-                self.wanted[self.wanted_len] = pixel as u8;
-                self.wanted_len += 1;
-            }
+        if self.keys[pixel] != NO_KEY {
+            self.searched[pixel / TILE] |= 1 << (pixel % TILE);
+            self.wanted.push(pixel as u8);
         }
     }
 }

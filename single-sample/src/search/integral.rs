@@ -88,28 +88,39 @@ fn add_group(sums: &mut [i32; LANES], receiver: &Seen, segments: &Segments, grou
 }
 
 #[inline(always)]
-fn total(sums: &[i32; LANES]) -> i32 {
+fn add_up(sums: &[i32; LANES]) -> i32 {
     sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
 }
 
 /// The sum over whole groups of segments, for one receiver.
 #[inline(always)]
-pub(crate) fn sum(receiver: &Seen, segments: &Segments, groups: Range<usize>) -> i32 {
+pub(crate) fn total(receiver: &Seen, segments: &Segments, groups: Range<usize>) -> i32 {
     let mut sums = [0_i32; LANES];
     for group in groups {
         add_group(&mut sums, receiver, segments, group);
     }
-    total(&sums)
+    add_up(&sums)
 }
 
-/// The same over those groups that are in reach, of which the bounds must be known. And a radius in
-/// texels which the disc has at least at any blocker there: infinite if there is none.
+/// What segments contribute.
+pub(crate) struct Sum {
+    pub total: i32,
+    /// A radius in texels which the disc has at least at any blocker in reach: infinite if there is
+    /// none.
+    pub disc: f32,
+}
+
+impl Sum {
+    #[inline(always)]
+    pub fn add(&mut self, other: &Sum) {
+        self.total = self.total.wrapping_add(other.total);
+        self.disc = if other.disc < self.disc { other.disc } else { self.disc };
+    }
+}
+
+/// The sum over those groups that are in reach, of which the bounds must be known.
 #[inline(always)]
-pub(crate) fn sum_in_reach(
-    receiver: &Seen,
-    segments: &Segments,
-    groups: Range<usize>,
-) -> (i32, f32) {
+pub(crate) fn sum_in_reach(receiver: &Seen, segments: &Segments, groups: Range<usize>) -> Sum {
     let mut sums = [0_i32; LANES];
     let mut least = f32::INFINITY;
     for group in groups {
@@ -119,10 +130,7 @@ pub(crate) fn sum_in_reach(
             add_group(&mut sums, receiver, segments, group);
         }
     }
-    // A point light has no disc: its radius times infinity is no number.
-    let is_clear = least == f32::INFINITY;
-    let disc = if is_clear { least } else { receiver.reach * (least - receiver.nearness) };
-    (total(&sums), disc)
+    Sum { total: add_up(&sums), disc: receiver.disc(least) }
 }
 
 /// The first texel of the cell that a receiver lies in.

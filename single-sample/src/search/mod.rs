@@ -39,6 +39,7 @@
 mod above;
 mod adaptive;
 mod cell;
+mod curve;
 mod disputed;
 mod facing;
 mod field;
@@ -47,6 +48,7 @@ mod groups;
 mod integral;
 mod kernels;
 mod leaves;
+mod list;
 mod naive;
 mod outline;
 mod outlines;
@@ -57,9 +59,11 @@ mod planes;
 mod reach;
 mod receiver;
 mod recent;
+mod rule;
 mod segments;
 mod soa;
 mod squares;
+mod strip;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -84,23 +88,24 @@ pub struct Parameters {
     /// an orthographic view the tangent of half the light's angular diameter. 0 gives hard shadows,
     /// smoothed over a texel; the sign does not matter.
     pub radius: f32,
-    /// Groups of `group + 1` pixels along every `group`-th column, and then along the rows between
-    /// these columns, are interpolated where the pixels see one object and have one hard shadow
-    /// test result. The paper's is 4; 1 searches every pixel; at most 15.
+    /// Groups of `group + 1` pixels along every `group`-th row, and then along the columns between these
+    /// rows, are interpolated where the pixels see one object and have one hard shadow test
+    /// result. The paper's is 4, and begins with columns; 1 searches every pixel; at most 15.
     pub group: u32,
     /// The greatest difference of visibility between the ends of an interpolated group; and twice
-    /// what its middle, once searched, may differ from the mean of the ends for both halves to be
-    /// interpolated all the same. The paper has no such limit: 1. Where blockers are so close that a
-    /// penumbra is narrower than the group, its middle is searched whatever the ends are.
+    /// what its middle, once searched, may be off a straight line for all of it to be interpolated
+    /// nevertheless, on a parabola. The paper has no such limit: 1. Where blockers are so close that
+    /// a penumbra is narrower than a group of pixels that are all lit or all dark, its middle is
+    /// searched whatever the ends are.
     pub tolerance: f32,
     /// Tolerance of the depth comparisons.
     pub bias: Bias,
 }
 
 impl Default for Parameters {
-    /// A point light, groups of 6 pixels whose ends differ by 1 / 32 at most.
+    /// A point light, groups of 9 pixels whose ends differ by 1 / 50 at most.
     fn default() -> Self {
-        Parameters { radius: 0.0, group: 5, tolerance: 1.0 / 32.0, bias: Bias::default() }
+        Parameters { radius: 0.0, group: 8, tolerance: 1.0 / 50.0, bias: Bias::default() }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::cell::{CELL, CellBits};
 use super::facing::{Surroundings, close_to};
-use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Field, LANE, Row, Texel};
+use super::field::{BLOCK_COLUMNS, BLOCK_ROWS, Block, Field, LANE, Row, Texel};
 use super::kernels::{Bits, Ops, ROWS};
 use super::leaves::Leaves;
 use super::reach::Extent;
@@ -33,17 +33,19 @@ const BLOCKS: usize = STRIP as usize / BLOCK_COLUMNS + 1;
 /// Memory for texels that cannot be borrowed from the map, and for what becomes of them.
 pub(crate) struct Room {
     block: [Row; BLOCK_ROWS],
+    facing: FacingRoom,
+}
+
+struct FacingRoom {
     surroundings: [[f32; Surroundings::COLUMNS]; Surroundings::ROWS],
     unfaced: [[Row; BLOCK_ROWS]; 2],
 }
 
 impl Room {
     pub const fn new() -> Room {
-        Room {
-            block: [LANE; BLOCK_ROWS],
-            surroundings: [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS],
-            unfaced: [[LANE; BLOCK_ROWS]; 2],
-        }
+        let surroundings = [[0.0; Surroundings::COLUMNS]; Surroundings::ROWS];
+        let facing = FacingRoom { surroundings, unfaced: [[LANE; BLOCK_ROWS]; 2] };
+        Room { block: [LANE; BLOCK_ROWS], facing }
     }
 }
 
@@ -114,18 +116,35 @@ fn cell_of_blocks(block: &Bits, next: &Bits, right: usize) -> CellBits {
     }
 }
 
-/// Which texels of a cell block the receiver in `extent` that has this test.
+/// Which texels of a cell block the receiver in `extent` that has this test; none if none of them is
+/// in `reach` ([`Test::in_reach`]).
 #[inline(always)]
 pub(crate) fn cell_bits<T: Texel>(
     ops: &impl Ops,
     field: &Field<'_, T>,
     test: &Test,
+    reach: Option<&Test>,
     close: Option<&Extent>,
     at: [i32; 2],
     room: &mut Room,
 ) -> CellBits {
-    let [block] = blocking(ops, field, at, &[*test], close, room);
-    cell_of_blocks(&block, &block, 0)
+    let block = field.block(at, &mut room.block);
+    let cell = |block: &Bits| cell_of_blocks(block, block, 0);
+    let passing = ops.passing(&test.limits(block.first), &block.rows);
+    let is_clear = cell(&passing) == CellBits::NONE;
+    let is_out_of_reach = |reach: &Test| {
+        cell(&ops.passing(&reach.limits(block.first), &block.rows)) == CellBits::NONE
+    };
+    if is_clear || reach.is_some_and(is_out_of_reach) {
+        return CellBits::NONE;
+    }
+    let [passing] = match close {
+        Some(extent) => {
+            unfaced(ops, field, &[*test], [passing], at, &block, extent, &mut room.facing)
+        }
+        None => [passing],
+    };
+    cell(&passing)
 }
 
 /// Which texels of a block pass the tests and do not face the receivers, of which some may be `close`
@@ -140,28 +159,44 @@ fn blocking<T: Texel, const TESTS: usize>(
     room: &mut Room,
 ) -> [Bits; TESTS] {
     let block = field.block(at, &mut room.block);
-    let limits = |test: usize| tests[test].limits(block.first);
     let mut passing = [Bits::default(); TESTS];
     for test in 0..TESTS {
-        passing[test] = ops.passing(&limits(test), &block.rows);
+        passing[test] = ops.passing(&tests[test].limits(block.first), &block.rows);
     }
     // What passes another test passes the first.
-    if let Some(extent) = close.filter(|_| passing[0] != Bits::default()) {
-        let most = extent.nearness[1];
-        let nearness = most + close_to(field.contact, most);
-        let beyond = Limits { nearness, ..limits(0) };
-        let far = ops.passing(&beyond, &block.rows);
-        if far != passing[0] {
-            let close = passing[0].each(&far, |passing, far| passing & !far);
-            let texels = field.rows(Surroundings::first(at), &mut room.surroundings);
-            let (receivers, contact) = (extent, field.contact);
-            let is_one = TESTS == 1;
-            let block = Surroundings { at, texels, receivers, is_one, contact, close };
-            ops.unfaced(&block, &mut room.unfaced);
-            for test in 0..TESTS {
-                passing[test] = ops.passing(&limits(test), &room.unfaced[test].each_ref());
-            }
-        }
+    match close.filter(|_| passing[0] != Bits::default()) {
+        Some(extent) => unfaced(ops, field, tests, passing, at, &block, extent, &mut room.facing),
+        None => passing,
+    }
+}
+
+/// What is left of the passing texels of a block without those that face the receivers.
+#[inline(always)]
+fn unfaced<T: Texel, const TESTS: usize>(
+    ops: &impl Ops,
+    field: &Field<'_, T>,
+    tests: &[Test; TESTS],
+    mut passing: [Bits; TESTS],
+    at: [i32; 2],
+    block: &Block<'_>,
+    extent: &Extent,
+    room: &mut FacingRoom,
+) -> [Bits; TESTS] {
+    let most = extent.nearness[1];
+    let limits = |test: usize| tests[test].limits(block.first);
+    let beyond = Limits { nearness: most + close_to(field.contact, most), ..limits(0) };
+    let far = ops.passing(&beyond, &block.rows);
+    if far == passing[0] {
+        return passing;
+    }
+    let close = passing[0].each(&far, |passing, far| passing & !far);
+    let texels = field.rows(Surroundings::first(at), &mut room.surroundings);
+    let (receivers, contact) = (extent, field.contact);
+    let is_one = TESTS == 1;
+    let around = Surroundings { at, texels, receivers, is_one, contact, close };
+    ops.unfaced(&around, &mut room.unfaced);
+    for test in 0..TESTS {
+        passing[test] = ops.passing(&limits(test), &room.unfaced[test].each_ref());
     }
     passing
 }

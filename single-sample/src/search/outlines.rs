@@ -12,6 +12,7 @@ use super::groups::{GROUPS, Groups};
 use super::integral::cell_of;
 use super::kernels::{Ops, Work};
 use super::leaves::{LeafTest, Leaves};
+use super::list::List;
 use super::outline::{Places, Room, STRIP, Strip};
 use super::planes::{Planes, extent};
 use super::reach::{Extent, Reach};
@@ -51,32 +52,6 @@ impl Outline {
         cells: [0; 2],
         disputed: [0; 2],
     };
-}
-
-/// A list of at most `N`.
-pub(crate) struct List<T, const N: usize> {
-    items: [T; N],
-    len: usize,
-}
-
-impl<T: Copy, const N: usize> List<T, N> {
-    const fn new(item: T) -> Self {
-        List { items: [item; N], len: 0 }
-    }
-
-    /// False if there is no room.
-    #[inline(always)]
-    fn push(&mut self, item: T) -> bool {
-        let Some(place) = self.items.get_mut(self.len) else { return false };
-        *place = item;
-        self.len += 1;
-        true
-    }
-
-    #[inline(always)]
-    pub fn part(&self, [from, end]: [usize; 2]) -> &[T] {
-        &self.items[from..end]
-    }
 }
 
 /// The outlines of a tile's groups.
@@ -130,7 +105,7 @@ impl<T: Texel> Work for FindOutlines<'_, T> {
     #[inline(always)]
     fn run(mut self, ops: &impl Ops) {
         self.outlines.segments.truncate(0);
-        self.outlines.cells.len = 0;
+        self.outlines.cells.clear();
         self.outlines.disputed.clear();
         for group in 0..GROUPS {
             let is_empty = self.groups.members[group] == 0;
@@ -174,7 +149,7 @@ impl<T: Texel> FindOutlines<'_, T> {
         // The first test passes what blocks some receivers, and the second what blocks all of them.
         let tests = planes.tests(most);
         let leaf_test = LeafTest::new(self.geometry, extent, planes, size);
-        let start = [segments.len() / LANES, cells.len, disputed.pad()];
+        let start = [segments.len() / LANES, cells.len(), disputed.pad()];
         let mut draft =
             Draft { field, pyramid, receivers, segments, cells, disputed, recent, room };
         let mut has_leaves = false;
@@ -210,7 +185,7 @@ impl<T: Texel> FindOutlines<'_, T> {
         has_leaves.then_some(Outline {
             is_shared: true,
             groups,
-            cells: [start[1], draft.cells.len],
+            cells: [start[1], draft.cells.len()],
             disputed: [start[2], draft.disputed.pad()],
             ..own
         })
@@ -271,7 +246,7 @@ impl<T: Texel> Draft<'_, T> {
     #[inline(always)]
     fn outline(&mut self, at: [i32; 2], bits: &CellBits) -> bool {
         let first = self.segments.len();
-        self.recent.outline(self.field, at, bits, self.segments);
+        self.recent.outline(self.field, at, bits, self.segments, |_| true);
         let cell = Cell { at, segments: [first, self.segments.len()] };
         !self.receivers.hold(at) || self.cells.push(cell)
     }

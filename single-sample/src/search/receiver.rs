@@ -206,6 +206,14 @@ impl Seen {
         }
     }
 
+    /// The disc's greatest radius in texels at a blocker of this nearness; infinite if that is.
+    #[inline(always)]
+    pub fn disc(&self, nearness: f32) -> f32 {
+        // A point light has no disc: its radius times infinity is no number.
+        let is_clear = nearness == f32::INFINITY;
+        if is_clear { nearness } else { self.reach * (nearness - self.nearness) }
+    }
+
     /// Whether what lies (dx, dy) texels away may hide part of the disc, with a nearness that is
     /// greater than the receiver's by `nearer`.
     #[inline(always)]

@@ -5,7 +5,7 @@
 
 use super::cell::{CELL, CellBits, outline};
 use super::field::{Field, Texel};
-use super::segments::{CELL_MOST, Segment, Segments};
+use super::segments::{Bounds, CELL_MOST, Segment, Segments};
 
 /// How many cells are remembered: two to the power of this. Few in tests, for some to be forgotten.
 const CELLS_LOG: u32 = if cfg!(test) { 4 } else { 9 };
@@ -20,11 +20,13 @@ struct Cell {
     at: [i32; 2],
     bits: CellBits,
     segments: [u16; 2],
+    bounds: Bounds,
 }
 
 impl Cell {
     /// No outline, as is right for any cell where nothing blocks.
-    const NONE: Cell = Cell { at: [0; 2], bits: CellBits::NONE, segments: [0; 2] };
+    const NONE: Cell =
+        Cell { at: [0; 2], bits: CellBits::NONE, segments: [0; 2], bounds: Bounds::EMPTY };
 }
 
 /// The outlines of cells of one map that were asked for last.
@@ -40,7 +42,8 @@ impl Recent {
         Recent { cells: [Cell::NONE; CELLS], segments: [Segment::NONE; CAPACITY], len: 0 }
     }
 
-    /// Adds what [`outline`] does to `segments`.
+    /// Adds what [`outline`] does to `segments`, if that is wanted given its bounds. There must be room
+    /// for it.
     #[inline(always)]
     pub fn outline<T: Texel>(
         &mut self,
@@ -48,41 +51,48 @@ impl Recent {
         at: [i32; 2],
         bits: &CellBits,
         segments: &mut Segments,
+        is_wanted: impl FnOnce(&Bounds) -> bool,
     ) {
         let place = place(at, bits);
+        if self.cells[place].at != at || self.cells[place].bits != *bits {
+            self.note(field, place, at, bits, segments);
+        }
         let known = &self.cells[place];
-        if known.at == at && known.bits == *bits {
+        if is_wanted(&known.bounds) {
             let [from, end] = known.segments.map(usize::from);
             for segment in &self.segments[from..end] {
                 segments.push(*segment);
             }
-            return;
         }
-        let first = segments.len();
-        outline(field, at, bits, segments);
-        self.note(place, at, bits, segments, first);
     }
 
-    /// Notes a cell's outline, which are the last segments from the `first` on.
-    fn note(
+    /// Notes a cell's outline, which is found behind `segments`.
+    fn note<T: Texel>(
         &mut self,
+        field: &Field<'_, T>,
         place: usize,
         at: [i32; 2],
         bits: &CellBits,
-        segments: &Segments,
-        first: usize,
+        segments: &mut Segments,
     ) {
+        let first = segments.len();
+        outline(field, at, bits, segments);
         let count = segments.len() - first;
         if self.len + count > CAPACITY {
             self.cells = [Cell::NONE; CELLS];
             self.len = 0;
         }
         let from = self.len;
+        let mut bounds = Bounds::EMPTY;
         for i in 0..count {
-            self.segments[from + i] = segments.get(first + i);
+            let segment = segments.get(first + i);
+            bounds.include(&segment);
+            self.segments[from + i] = segment;
         }
         self.len += count;
-        self.cells[place] = Cell { at, bits: *bits, segments: [from as u16, self.len as u16] };
+        segments.truncate(first);
+        let segments = [from as u16, self.len as u16];
+        self.cells[place] = Cell { at, bits: *bits, segments, bounds };
     }
 }
 

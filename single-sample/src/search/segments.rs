@@ -58,11 +58,18 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    const EMPTY: Bounds = Bounds {
+    pub const EMPTY: Bounds = Bounds {
         u: [f32::INFINITY, f32::NEG_INFINITY],
         v: [f32::INFINITY, f32::NEG_INFINITY],
         nearness: [f32::INFINITY, f32::NEG_INFINITY],
     };
+
+    pub fn include(&mut self, Segment { from, to }: &Segment) {
+        let add = |[low, high]: [f32; 2], a: f32, b: f32| [low.min(a).min(b), high.max(a).max(b)];
+        self.u = add(self.u, from.x, to.x);
+        self.v = add(self.v, from.y, to.y);
+        self.nearness = add(self.nearness, from.nearness, to.nearness);
+    }
 
     /// Whether the segments may reach into a receiver's disc.
     #[inline(always)]
@@ -158,9 +165,13 @@ impl Segments {
     /// groups.
     #[inline(always)]
     pub fn pad(&mut self) -> usize {
-        while !self.len.is_multiple_of(LANES) {
+        if !self.len.is_multiple_of(LANES) {
             let end = self.get(self.len - 1).to;
-            self.push(Segment { from: end, to: end });
+            let values = [end.x, end.y, end.nearness, end.x, end.y, end.nearness];
+            for (lane, value) in self.values.iter_mut().zip(values) {
+                lane[self.len..][..LANES].fill(value);
+            }
+            self.len = self.len.next_multiple_of(LANES);
         }
         self.len / LANES
     }

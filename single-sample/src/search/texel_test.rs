@@ -1,7 +1,9 @@
 //! Which texels block: the test of one receiver, and what is true of the tests of several.
 
 use super::field::{LANE, Row};
-use super::receiver::Receiver;
+use super::planes::ROUNDING;
+use super::receiver::{Receiver, Seen};
+use crate::math::sqrt;
 
 /// Texels above a plane and nearer than something. The plane may have a crease along each axis.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +35,24 @@ impl Test {
     pub fn of(receiver: &Receiver) -> Test {
         let Receiver { hu, hv, hn, above, nearness, .. } = *receiver;
         Test { at: [0.0; 2], hu: [hu; 2], hv: [hv; 2], hn, above, nearness }
+    }
+
+    /// Passes all texels of a cell whose middle is `towards`, and not the receiver's own, that may
+    /// have a part in what hides some of the disc.
+    ///
+    /// A texel at the distance d does if the disc's radius there is at least d. The distance is no less
+    /// than the offset's part in any one direction: the cell's.
+    #[inline(always)]
+    pub fn in_reach(seen: &Seen, towards: [f32; 2]) -> Test {
+        // Vertices are less than 4 texels from where their blockers are.
+        const STRAY: f32 = 4.5;
+        let (x, y) = ((towards[0] - seen.u).abs(), (towards[1] - seen.v).abs());
+        let unit = 1.0 / sqrt(x * x + y * y);
+        let (x, y) = (x * unit, y * unit);
+        let own = seen.reach * seen.nearness;
+        let above = own - (STRAY + own.abs() * ROUNDING + seen.reach * seen.least);
+        let nearness = f32::NEG_INFINITY;
+        Test { at: [seen.u, seen.v], hu: [-x, x], hv: [-y, y], hn: seen.reach, above, nearness }
     }
 
     /// The test of the block whose first texel has its centre at `first`.

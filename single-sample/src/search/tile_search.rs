@@ -5,11 +5,11 @@ use core::ops::Range;
 use simd_search::Pyramid;
 
 use super::adaptive::{COUNT, Grid, NO_KEY, Samples};
-use super::cell::{CellBits, is_uniform};
+use super::cell::{CELL, CellBits, is_uniform};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
-use super::integral::{blocked_fraction, cell_of, hides_center, sum, sum_in_reach};
+use super::integral::{Sum, blocked_fraction, cell_of, hides_center, sum_in_reach, total};
 use super::kernels::{Ops, Work};
 use super::leaves::LeafTest;
 use super::outline::{Places, STRIP, Strip, cell_bits};
@@ -22,6 +22,9 @@ use super::segments::{LANES, Segments};
 use super::soa::Receivers;
 use super::texel_test::Test;
 use crate::Counters;
+
+/// From a cell's first texel to its middle.
+const MIDDLE: f32 = CELL as f32 * 0.5 + 0.5;
 
 /// Finds the blocked fractions of all pixels of a tile.
 pub(crate) struct SearchTile<'a, T> {
@@ -56,7 +59,6 @@ impl<T: Texel> Work for SearchTile<'_, T> {
         self.set_keys();
         self.samples.begin(self.grid);
         let before = self.counters.searches;
-        let mut rows = false;
         loop {
             for i in 0..self.samples.wanted().len() {
                 let pixel = usize::from(self.samples.wanted()[i]);
@@ -66,11 +68,7 @@ impl<T: Texel> Work for SearchTile<'_, T> {
             }
             self.counters.searches += self.samples.wanted().len() as u32;
             if !self.samples.refine(self.grid, self.receivers) {
-                if rows {
-                    break;
-                }
-                rows = true;
-                self.samples.begin_rows(self.grid);
+                break;
             }
         }
         let receivers = self.samples.keys.iter().filter(|&&key| key != NO_KEY).count() as u32;
@@ -119,17 +117,16 @@ impl<T: Texel> SearchTile<'_, T> {
             let Some(Reach { places, is_cut, .. }) = reach else { return Sample::CLEAR };
             self.counters.cut_by_border += u32::from(is_cut);
             if !outline.is_shared {
-                let (sum, hidden) = self.own(ops, &receiver, &seen, places);
-                return Sample { blocked: blocked_fraction(hidden, sum), disc: 0.0 };
+                let (Sum { total, disc }, hidden) = self.own(ops, &receiver, &seen, places);
+                return Sample { blocked: blocked_fraction(hidden, total), disc };
             }
         }
         let [first, end] = outline.groups;
-        let (mut total, mut disc) = sum_in_reach(&seen, &self.outlines.segments, first..end);
+        let mut sum = sum_in_reach(&seen, &self.outlines.segments, first..end);
         let mut hidden = None;
         if outline.disputed[0] < outline.disputed[1] {
-            let (sum, hides) = self.disputed(ops, &outline, &receiver, &seen);
-            total = total.wrapping_add(sum);
-            disc = if sum == 0 { disc } else { 0.0 };
+            let (own, hides) = self.disputed(ops, &outline, &receiver, &seen);
+            sum.add(&own);
             hidden = hides;
         }
         let hidden = hidden.unwrap_or_else(|| {
@@ -139,7 +136,7 @@ impl<T: Texel> SearchTile<'_, T> {
             let [first, end] = cell.map_or([0; 2], |cell| cell.segments);
             hides_center(self.field, &receiver, segments, first..end)
         });
-        Sample { blocked: blocked_fraction(hidden, total), disc }
+        Sample { blocked: blocked_fraction(hidden, sum.total), disc: sum.disc }
     }
 
     /// The sum over the receiver's own outline in disputed cells, and whether it hides the disc's
@@ -151,11 +148,11 @@ impl<T: Texel> SearchTile<'_, T> {
         group: &Outline,
         receiver: &Receiver,
         seen: &Seen,
-    ) -> (i32, Option<bool>) {
+    ) -> (Sum, Option<bool>) {
         let Outlines { disputed, segments, recent, room, .. } = &mut *self.outlines;
         let (test, extent) = (Test::of(receiver), Extent::of(receiver));
         let cell = cell_of(receiver.u, receiver.v);
-        let mut own = Own::behind(segments, recent);
+        let mut own = Own::behind(seen, segments, recent);
         let mut hidden = None;
         for lanes in group.disputed[0]..group.disputed[1] {
             let [mut leaves, close] = disputed.blocking(lanes, receiver, seen, self.field.contact);
@@ -165,18 +162,21 @@ impl<T: Texel> SearchTile<'_, T> {
                 let close = (close >> lane & 1 == 1).then_some(&extent);
                 leaves &= leaves - 1;
                 for at in disputed.cells(leaf) {
-                    let bits = cell_bits(ops, self.field, &test, close, at, room);
+                    let middle = at.map(|at| at as f32 + MIDDLE);
+                    let reach = (at != cell).then(|| Test::in_reach(seen, middle));
+                    let reach = reach.as_ref();
+                    let bits = cell_bits(ops, self.field, &test, reach, close, at, room);
                     if is_uniform(&bits) {
                         continue;
                     }
-                    let added = own.add(self.field, at, &bits, seen);
+                    let added = own.add(self.field, at, &bits, at == cell);
                     if at == cell {
                         hidden = Some(hides_center(self.field, receiver, own.segments, added));
                     }
                 }
             }
         }
-        (own.sum(seen), hidden)
+        (own.sum(), hidden)
     }
 
     /// The sum over all of the receiver's own outline, and whether it hides the disc's middle.
@@ -187,7 +187,7 @@ impl<T: Texel> SearchTile<'_, T> {
         receiver: &Receiver,
         seen: &Seen,
         places: Places,
-    ) -> (i32, bool) {
+    ) -> (Sum, bool) {
         let extent = Extent::of(receiver);
         let leaf_test = LeafTest::new(
             self.geometry,
@@ -198,7 +198,7 @@ impl<T: Texel> SearchTile<'_, T> {
         let tests = [Test::of(receiver)];
         let cell = cell_of(receiver.u, receiver.v);
         let Outlines { segments, leaves, recent, room, .. } = &mut *self.outlines;
-        let mut own = Own::behind(segments, recent);
+        let mut own = Own::behind(seen, segments, recent);
         let mut hidden = None;
         for part in places.parts() {
             if !leaves.find(self.pyramid, &leaf_test, part) {
@@ -208,7 +208,7 @@ impl<T: Texel> SearchTile<'_, T> {
                 let strip = Strip::new(ops, self.field, &tests, &extent, leaves, places, room);
                 for i in 0..strip.cells() {
                     let Some((at, [bits])) = strip.divided(i) else { continue };
-                    let added = own.add(self.field, at, &bits, seen);
+                    let added = own.add(self.field, at, &bits, at == cell);
                     if at == cell {
                         hidden = Some(hides_center(self.field, receiver, own.segments, added));
                     }
@@ -217,7 +217,7 @@ impl<T: Texel> SearchTile<'_, T> {
         }
         let none = || hides_center(self.field, receiver, own.segments, 0..0);
         let hidden = hidden.unwrap_or_else(none);
-        (own.sum(seen), hidden)
+        (own.sum(), hidden)
     }
 }
 
@@ -236,44 +236,60 @@ fn whole_part(number: f32, most: f32) -> u32 {
 
 /// A receiver's own outline, behind the shared one.
 struct Own<'a> {
+    seen: &'a Seen,
     segments: &'a mut Segments,
     recent: &'a mut Recent,
     /// Where it begins: at a whole group of lanes.
     start: usize,
     /// The sum over what there was no room to keep.
     sum: i32,
+    /// The least nearness of what is in reach.
+    least: f32,
 }
 
 impl<'a> Own<'a> {
     #[inline(always)]
-    fn behind(segments: &'a mut Segments, recent: &'a mut Recent) -> Own<'a> {
+    fn behind(seen: &'a Seen, segments: &'a mut Segments, recent: &'a mut Recent) -> Own<'a> {
         let start = segments.len();
-        Own { segments, recent, start, sum: 0 }
+        Own { seen, segments, recent, start, sum: 0, least: f32::INFINITY }
     }
 
-    /// Adds the outline in a cell, and says which segments that are.
+    /// Adds the outline in a cell if it is in reach, or `always`, and says which segments that are.
     #[inline(always)]
     fn add<T: Texel>(
         &mut self,
         field: &Field<'_, T>,
         at: [i32; 2],
         bits: &CellBits,
-        seen: &Seen,
+        always: bool,
     ) -> Range<usize> {
         if !self.segments.has_room(1) {
-            self.sum = self.sum(seen);
+            self.sum = self.total();
         }
         let first = self.segments.len();
-        self.recent.outline(field, at, bits, self.segments);
+        let (seen, least) = (self.seen, &mut self.least);
+        self.recent.outline(field, at, bits, self.segments, |bounds| {
+            let is_in_reach = bounds.are_in_reach(seen);
+            *least = if is_in_reach { least.min(bounds.nearness[0]) } else { *least };
+            always | is_in_reach
+        });
         first..self.segments.len()
     }
 
     /// The sum over all segments, none of which are kept.
     #[inline(always)]
-    fn sum(&mut self, seen: &Seen) -> i32 {
+    fn total(&mut self) -> i32 {
         let groups = self.start / LANES..self.segments.pad();
-        let sum = self.sum.wrapping_add(sum(seen, self.segments, groups));
+        let total = self.sum.wrapping_add(total(self.seen, self.segments, groups));
         self.segments.truncate(self.start);
-        sum
+        total
+    }
+
+    /// The same with the least disc, where that matters.
+    #[inline(always)]
+    fn sum(mut self) -> Sum {
+        let total = self.total();
+        let disc = if total == 0 { f32::INFINITY } else { self.seen.disc(self.least) };
+        Sum { total, disc }
     }
 }

@@ -1,0 +1,123 @@
+//! Groups of pixels along columns, side by side: what [`super::adaptive`] does to a group along a row,
+//! done to all of them at once.
+
+use super::adaptive::{COUNT, Samples, TILE};
+use super::curve::{Curve, Curves};
+use super::rule::{Rule, bits, least};
+
+/// Groups from one row to another.
+#[derive(Clone, Copy)]
+pub(crate) struct Strip {
+    first_row: u8,
+    last_row: u8,
+    /// Whether the row in the middle is known in all columns, too.
+    is_halved: bool,
+    /// Bit x: whether there is a group in column x.
+    columns: u16,
+}
+
+impl Strip {
+    pub const NONE: Strip = Strip { first_row: 0, last_row: 0, is_halved: false, columns: 0 };
+
+    #[inline(always)]
+    pub fn new([first, last]: [usize; 2], columns: u16) -> Strip {
+        Strip { first_row: first as u8, last_row: last as u8, is_halved: false, columns }
+    }
+}
+
+impl Samples {
+    /// Interpolates the groups of a strip or asks for their middles; once these are known, looks at
+    /// both halves.
+    #[inline(always)]
+    pub fn settle_strip(&mut self, strip: Strip, rule: &Rule<'_>) {
+        let (first, last) = (usize::from(strip.first_row), usize::from(strip.last_row));
+        if !strip.is_halved {
+            return self.halve_strip([first, last], strip.columns, rule);
+        }
+        let length = last - first;
+        let half = length / 2;
+        let middle = first + half;
+        let [start, between, stop] = [first, middle, last].map(|y| row(&self.values, y));
+        let discs = [first, middle, last].map(|y| row(&self.discs, y));
+        let (mut curves, mut disc, mut fits) = (Curves::FLAT, [0.0; TILE], [0; TILE]);
+        for x in 0..TILE {
+            let ends = [start[x], stop[x]];
+            let line = Curve::line(ends, length);
+            let bend = between[x] - line.at(half, length);
+            curves.set(x, line.bent(half, length, bend));
+            disc[x] = least(least(discs[0][x], discs[1][x]), discs[2][x]);
+            let gap = rule.distance(first * TILE + x, last * TILE + x) * 0.5;
+            fits[x] = u8::from(rule.fits(&ends, bend, gap <= disc[x], length));
+        }
+        let fitting = strip.columns & bits(&fits) & self.columns_agree(first, last);
+        self.interpolate_strip([first, middle], [first, length], fitting, &curves, &disc);
+        self.interpolate_strip([middle, last], [first, length], fitting, &curves, &disc);
+        let others = strip.columns & !fitting;
+        self.halve_strip([first, middle], others, rule);
+        self.halve_strip([middle, last], others, rule);
+    }
+
+    /// Interpolates the groups in some columns whose ends are close, and asks for the middles of the
+    /// others.
+    #[inline(always)]
+    fn halve_strip(&mut self, [first, last]: [usize; 2], columns: u16, rule: &Rule<'_>) {
+        let length = last - first;
+        if length <= 1 || columns == 0 {
+            return;
+        }
+        let [start, stop] = [first, last].map(|y| row(&self.values, y));
+        let discs = [first, last].map(|y| row(&self.discs, y));
+        let (mut curves, mut disc, mut close) = (Curves::FLAT, [0.0; TILE], [0; TILE]);
+        for x in 0..TILE {
+            let ends = [start[x], stop[x]];
+            curves.set(x, Curve::line(ends, length));
+            disc[x] = least(discs[0][x], discs[1][x]);
+            let gap = rule.distance(first * TILE + x, last * TILE + x);
+            close[x] = u8::from(rule.are_close(&ends, gap <= disc[x]));
+        }
+        let close = columns & bits(&close) & self.columns_agree(first, last);
+        self.interpolate_strip([first, last], [first, length], close, &curves, &disc);
+        let others = columns & !close;
+        self.asked[first + length / 2] |= others;
+        if length > 2 && others != 0 {
+            self.strips.push(Strip { is_halved: true, ..Strip::new([first, last], others) });
+        }
+    }
+
+    /// Interpolates what lies between two rows of a strip, in some columns.
+    #[inline(always)]
+    fn interpolate_strip(
+        &mut self,
+        [from, to]: [usize; 2],
+        [first, length]: [usize; 2],
+        columns: u16,
+        curves: &Curves,
+        disc: &[f32; TILE],
+    ) {
+        if columns == 0 {
+            return;
+        }
+        for y in from + 1..to {
+            let values = &mut self.values.as_chunks_mut::<TILE>().0[y];
+            let discs = &mut self.discs.as_chunks_mut::<TILE>().0[y];
+            for x in 0..TILE {
+                let counts = columns >> x & 1 == 1;
+                let value = curves.get(x).at(y - first, length);
+                values[x] = if counts { value } else { values[x] };
+                discs[x] = if counts { disc[x] } else { discs[x] };
+            }
+        }
+    }
+
+    /// The columns all of whose pixels from one row to another have one key.
+    #[inline(always)]
+    fn columns_agree(&self, first: usize, last: usize) -> u16 {
+        self.same[1][first..last].iter().fold(u16::MAX, |all, row| all & row)
+    }
+}
+
+/// A row of a tile's pixels.
+#[inline(always)]
+fn row(pixels: &[f32; COUNT], y: usize) -> [f32; TILE] {
+    pixels.as_chunks().0[y]
+}
