@@ -39,19 +39,19 @@ impl Samples {
         let middle = first + half;
         let [start, between, stop] = [first, middle, last].map(|y| row(&self.values, y));
         let discs = [first, middle, last].map(|y| row(&self.discs, y));
-        let (mut curves, mut disc, mut fits) = (Curves::FLAT, [0.0; TILE], [0; TILE]);
+        let (mut curves, mut fits) = (Curves::FLAT, [0; TILE]);
         for x in 0..TILE {
             let ends = [start[x], stop[x]];
             let line = Curve::line(ends, length);
             let bend = between[x] - line.at(half, length);
             curves.set(x, line.bent(half, length, bend));
-            disc[x] = least(least(discs[0][x], discs[1][x]), discs[2][x]);
+            let disc = least(least(discs[0][x], discs[1][x]), discs[2][x]);
             let gap = rule.distance(first * TILE + x, last * TILE + x) * 0.5;
-            fits[x] = u8::from(rule.fits(&ends, bend, gap <= disc[x], length));
+            fits[x] = u8::from(rule.fits(&ends, bend, gap <= disc, length));
         }
         let fitting = strip.columns & bits(&fits) & self.columns_agree(first, last);
-        self.interpolate_strip([first, middle], [first, length], fitting, &curves, &disc);
-        self.interpolate_strip([middle, last], [first, length], fitting, &curves, &disc);
+        self.interpolate_strip([first, middle], [first, length], fitting, &curves);
+        self.interpolate_strip([middle, last], [first, length], fitting, &curves);
         let others = strip.columns & !fitting;
         self.halve_strip([first, middle], others, rule);
         self.halve_strip([middle, last], others, rule);
@@ -67,16 +67,16 @@ impl Samples {
         }
         let [start, stop] = [first, last].map(|y| row(&self.values, y));
         let discs = [first, last].map(|y| row(&self.discs, y));
-        let (mut curves, mut disc, mut close) = (Curves::FLAT, [0.0; TILE], [0; TILE]);
+        let (mut curves, mut close) = (Curves::FLAT, [0; TILE]);
         for x in 0..TILE {
             let ends = [start[x], stop[x]];
             curves.set(x, Curve::line(ends, length));
-            disc[x] = least(discs[0][x], discs[1][x]);
+            let disc = least(discs[0][x], discs[1][x]);
             let gap = rule.distance(first * TILE + x, last * TILE + x);
-            close[x] = u8::from(rule.are_close(&ends, gap <= disc[x]));
+            close[x] = u8::from(rule.are_close(&ends, gap <= disc));
         }
         let close = columns & bits(&close) & self.columns_agree(first, last);
-        self.interpolate_strip([first, last], [first, length], close, &curves, &disc);
+        self.interpolate_strip([first, last], [first, length], close, &curves);
         let others = columns & !close;
         self.asked[first + length / 2] |= others;
         if length > 2 && others != 0 {
@@ -84,7 +84,8 @@ impl Samples {
         }
     }
 
-    /// Interpolates what lies between two rows of a strip, in some columns.
+    /// Interpolates what lies between two rows of a strip, in some columns. No group will end there:
+    /// nobody will ask for these pixels' discs.
     #[inline(always)]
     fn interpolate_strip(
         &mut self,
@@ -92,19 +93,16 @@ impl Samples {
         [first, length]: [usize; 2],
         columns: u16,
         curves: &Curves,
-        disc: &[f32; TILE],
     ) {
         if columns == 0 {
             return;
         }
         for y in from + 1..to {
             let values = &mut self.values.as_chunks_mut::<TILE>().0[y];
-            let discs = &mut self.discs.as_chunks_mut::<TILE>().0[y];
             for x in 0..TILE {
                 let counts = columns >> x & 1 == 1;
                 let value = curves.get(x).at(y - first, length);
                 values[x] = if counts { value } else { values[x] };
-                discs[x] = if counts { disc[x] } else { discs[x] };
             }
         }
     }
