@@ -247,17 +247,19 @@ impl Samples {
 
     #[inline(always)]
     fn compare_keys(&mut self) {
-        let keys = self.keys.as_chunks::<TILE>().0;
+        let keys = &self.keys;
+        let (mut right, mut down) = ([0; COUNT], [0; COUNT]);
+        for i in 0..COUNT - 1 {
+            right[i] = u8::from(keys[i] == keys[i + 1]);
+        }
+        for i in 0..COUNT - TILE {
+            down[i] = u8::from(keys[i] == keys[i + TILE]);
+        }
+        let (right, down) = (right.as_chunks().0, down.as_chunks().0);
         for y in 0..TILE {
-            let (row, below) = (&keys[y], &keys[(y + 1).min(TILE - 1)]);
-            let (mut right, mut down) = ([0; TILE], [0; TILE]);
-            for x in 0..TILE {
-                down[x] = u8::from(row[x] == below[x]);
-            }
-            for x in 0..TILE - 1 {
-                right[x] = u8::from(row[x] == row[x + 1]);
-            }
-            (self.same[0][y], self.same[1][y]) = (bits(&right), bits(&down));
+            // The last pixel of a row has no next one.
+            self.same[0][y] = bits(&right[y]) & u16::MAX >> 1;
+            self.same[1][y] = bits(&down[y]);
         }
     }
 
