@@ -272,3 +272,81 @@ impl Samples {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples `blocked(x, y)` from pixels a texel apart, where discs have a radius of `disc` texels.
+    /// Returns the values and how many were searched.
+    fn sample(
+        grid: &Grid,
+        disc: f32,
+        key: impl Fn(usize, usize) -> u32,
+        blocked: impl Fn(f32, f32) -> f32,
+    ) -> ([f32; COUNT], usize) {
+        let mut samples = Samples::new();
+        let mut receivers = Receivers::new();
+        for i in 0..COUNT {
+            let (x, y) = (i % TILE, i / TILE);
+            (receivers.u[i], receivers.v[i]) = (x as f32, y as f32);
+            samples.keys[i] = if x < grid.width && y < grid.height { key(x, y) } else { NO_KEY };
+        }
+        let mut searched = 0;
+        samples.begin(grid);
+        loop {
+            for i in 0..samples.wanted().len() {
+                let pixel = usize::from(samples.wanted()[i]);
+                let (x, y) = (pixel % TILE, pixel / TILE);
+                samples.values[pixel] = blocked(x as f32, y as f32);
+                samples.discs[pixel] = disc;
+                searched += 1;
+            }
+            if !samples.refine(grid, &receivers) {
+                let bits = samples.searched.iter().map(|row| row.count_ones() as usize);
+                assert_eq!(bits.sum::<usize>(), searched, "no pixel is searched twice");
+                return (samples.values, searched);
+            }
+        }
+    }
+
+    const GRID: Grid = Grid { width: TILE, height: TILE, group: 8, tolerance: 0.02 };
+
+    #[test]
+    fn a_parabola_is_interpolated_exactly() {
+        let blocked = |x: f32, y: f32| 0.2 + 0.01 * x + 0.0003 * (x * x) + 0.02 * y;
+        let (values, searched) = sample(&GRID, 100.0, |_, _| 7, blocked);
+        for i in 0..COUNT {
+            let exact = blocked((i % TILE) as f32, (i / TILE) as f32);
+            assert!((values[i] - exact).abs() < 1e-6, "{i}: {} for {exact}", values[i]);
+        }
+        assert!(searched < COUNT / 8, "{searched} searches");
+    }
+
+    #[test]
+    fn every_pixel_is_searched_with_groups_of_one_or_keys_of_their_own() {
+        let blocked = |x: f32, y: f32| (x * 0.37 + y * 0.11).fract();
+        for (group, own) in [(1, false), (8, true), (15, true)] {
+            let grid = Grid { width: 13, height: 7, group, ..GRID };
+            let key = |x: usize, y: usize| if own { (y * TILE + x) as u32 + 1 } else { 1 };
+            let (values, searched) = sample(&grid, 100.0, key, blocked);
+            assert_eq!(searched, 13 * 7);
+            for (x, y) in (0..7).flat_map(|y| (0..13).map(move |x| (x, y))) {
+                assert_eq!(values[y * TILE + x], blocked(x as f32, y as f32));
+            }
+        }
+    }
+
+    #[test]
+    fn a_stripe_narrower_than_a_group_is_found_if_discs_are_narrow() {
+        let stripe = |at: f32| if (at - 5.5).abs() < 2.0 { 1.0 } else { 0.0 };
+        for across in [true, false] {
+            let blocked = |x: f32, y: f32| stripe(if across { x } else { y });
+            let (values, _) = sample(&GRID, 1.0, |_, _| 1, blocked);
+            let found = values.iter().filter(|&&value| value > 0.5).count();
+            assert_eq!(found, 4 * TILE);
+            let (values, _) = sample(&GRID, 20.0, |_, _| 1, blocked);
+            assert!(values.iter().all(|value| (0.0..=1.0).contains(value)));
+        }
+    }
+}
