@@ -8,8 +8,9 @@
 //! also the values ([`super::rule`]).
 
 use super::curve::Curve;
+use super::lanes::{bits, least};
 use super::list::List;
-use super::rule::{Rule, bits, least};
+use super::rule::Rule;
 use super::soa::Receivers;
 use super::strip::Strip;
 

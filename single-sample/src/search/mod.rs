@@ -47,6 +47,7 @@ mod geometry;
 mod groups;
 mod integral;
 mod kernels;
+mod lanes;
 mod leaves;
 mod list;
 mod naive;

@@ -5,7 +5,6 @@
 //! are interpolated if a straight line comes close to it; the interpolation goes through it. Again,
 //! if all three are close, nothing may fit between them, but in a short group.
 
-use super::adaptive::TILE;
 use super::soa::Receivers;
 use crate::math::sqrt;
 
@@ -45,21 +44,4 @@ impl Rule<'_> {
         let is_straight = bend.abs() <= self.tolerance * BEND;
         is_straight & (is_full | (length <= SHORT) | !self.are_close(ends, true))
     }
-}
-
-/// The lesser of two numbers, in one instruction.
-#[inline(always)]
-pub(crate) fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// Of lane x, which is 0 or 1, bit x.
-#[inline(always)]
-pub(crate) fn bits(lanes: &[u8; TILE]) -> u16 {
-    // The product has the lanes' bits in its highest byte.
-    let half = |i: usize| {
-        let eight = u64::from_le_bytes(lanes.as_chunks().0[i]);
-        (eight.wrapping_mul(0x0102_0408_1020_4080) >> 56) as u16
-    };
-    half(0) | half(1) << 8
 }

@@ -3,7 +3,8 @@
 
 use super::adaptive::{COUNT, Samples, TILE};
 use super::curve::{Curve, Curves};
-use super::rule::{Rule, bits, least};
+use super::lanes::{bits, least};
+use super::rule::Rule;
 
 /// Groups from one row to another.
 #[derive(Clone, Copy)]

@@ -5,6 +5,7 @@ use core::ops::Range;
 use glam::Vec3;
 
 use super::adaptive::COUNT;
+use super::lanes::bits_of_eight;
 
 /// How many surfaces are told apart. What there is no room for shares the number after theirs.
 pub(crate) const SURFACES: usize = 32;
@@ -143,9 +144,7 @@ pub(crate) fn each_run(is_new: impl Fn(usize) -> bool, mut each: impl FnMut(Rang
     let mut starts = [0; COUNT / WORD + 1];
     starts[COUNT / WORD] = 1;
     for (i, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
-        // The lowest bits of eight bytes side by side.
-        let bits = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> (WORD - 8);
-        starts[i * 8 / WORD] |= bits << (i * 8 % WORD);
+        starts[i * 8 / WORD] |= u64::from(bits_of_eight(*eight)) << (i * 8 % WORD);
     }
     let (mut first, mut word, mut bits) = (0, 0, starts[0]);
     while first < COUNT {

@@ -1,0 +1,37 @@
+//! What vectors of lanes need that plain Rust has no instruction for.
+
+/// The lesser of two numbers, of no interest for NaN: [`f32::min`] takes several instructions.
+#[inline(always)]
+pub(crate) fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Of lane i, which is 0 or 1, bit i.
+#[inline(always)]
+pub(crate) fn bits_of_eight(lanes: [u8; 8]) -> u8 {
+    // The product has the lanes' bits in its highest byte.
+    (u64::from_le_bytes(lanes).wrapping_mul(0x0102_0408_1020_4080) >> (u64::BITS - 8)) as u8
+}
+
+/// The same of sixteen lanes.
+#[inline(always)]
+pub(crate) fn bits(lanes: &[u8; 16]) -> u16 {
+    let [low, high] = [0, 1].map(|half| u16::from(bits_of_eight(lanes.as_chunks().0[half])));
+    low | high << 8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lane_has_its_bit() {
+        for expected in 0..=u16::MAX {
+            let mut lanes = [0; 16];
+            for (i, lane) in lanes.iter_mut().enumerate() {
+                *lane = (expected >> i & 1) as u8;
+            }
+            assert_eq!(bits(&lanes), expected);
+        }
+    }
+}
