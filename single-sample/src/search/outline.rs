@@ -130,7 +130,8 @@ pub(crate) fn cell_bits<T: Texel>(
 ) -> CellBits {
     let block = field.block(at, &mut room.block);
     let cell = |block: &Bits| cell_of_blocks(block, block, 0);
-    let passing = ops.passing(&test.limits(block.first), &block.rows);
+    let limits = test.limits(block.first);
+    let passing = ops.passing(&limits, &block.rows);
     let is_clear = cell(&passing) == CellBits::NONE;
     let is_out_of_reach = |reach: &Test| {
         cell(&ops.passing(&reach.limits(block.first), &block.rows)) == CellBits::NONE
@@ -140,7 +141,7 @@ pub(crate) fn cell_bits<T: Texel>(
     }
     let [passing] = match close {
         Some(extent) => {
-            unfaced(ops, field, &[*test], [passing], at, &block, extent, &mut room.facing)
+            unfaced(ops, field, &[limits], [passing], at, &block, extent, &mut room.facing)
         }
         None => [passing],
     };
@@ -159,13 +160,17 @@ fn blocking<T: Texel, const TESTS: usize>(
     room: &mut Room,
 ) -> [Bits; TESTS] {
     let block = field.block(at, &mut room.block);
+    let mut limits = [tests[0].limits(block.first); TESTS];
+    for test in 1..TESTS {
+        limits[test] = tests[test].limits(block.first);
+    }
     let mut passing = [Bits::default(); TESTS];
     for test in 0..TESTS {
-        passing[test] = ops.passing(&tests[test].limits(block.first), &block.rows);
+        passing[test] = ops.passing(&limits[test], &block.rows);
     }
     // What passes another test passes the first.
     match close.filter(|_| passing[0] != Bits::default()) {
-        Some(extent) => unfaced(ops, field, tests, passing, at, &block, extent, &mut room.facing),
+        Some(extent) => unfaced(ops, field, &limits, passing, at, &block, extent, &mut room.facing),
         None => passing,
     }
 }
@@ -175,7 +180,7 @@ fn blocking<T: Texel, const TESTS: usize>(
 fn unfaced<T: Texel, const TESTS: usize>(
     ops: &impl Ops,
     field: &Field<'_, T>,
-    tests: &[Test; TESTS],
+    limits: &[Limits; TESTS],
     mut passing: [Bits; TESTS],
     at: [i32; 2],
     block: &Block<'_>,
@@ -183,8 +188,7 @@ fn unfaced<T: Texel, const TESTS: usize>(
     room: &mut FacingRoom,
 ) -> [Bits; TESTS] {
     let most = extent.nearness[1];
-    let limits = |test: usize| tests[test].limits(block.first);
-    let beyond = Limits { nearness: most + close_to(field.contact, most), ..limits(0) };
+    let beyond = Limits { nearness: most + close_to(field.contact, most), ..limits[0] };
     let far = ops.passing(&beyond, &block.rows);
     if far == passing[0] {
         return passing;
@@ -196,7 +200,7 @@ fn unfaced<T: Texel, const TESTS: usize>(
     let around = Surroundings { at, texels, receivers, is_one, contact, close };
     ops.unfaced(&around, &mut room.unfaced);
     for test in 0..TESTS {
-        passing[test] = ops.passing(&limits(test), &room.unfaced[test].each_ref());
+        passing[test] = ops.passing(&limits[test], &room.unfaced[test].each_ref());
     }
     passing
 }
