@@ -72,7 +72,7 @@ fn a_board_in_front_of_a_wall_shades_half_of_it() {
     // The board ends where the map does: beyond, nothing is known, so look at its inner half.
     let row = &mask[32 * 64..][..48];
     assert_eq!((row[22], row[42]), (1.0, 0.0), "{row:?}");
-    // Groups of pixels that end beyond the penumbra are interpolated within 1/32.
+    // Groups of pixels that end beyond the penumbra are interpolated within 1/50.
     assert!(row[27] >= 1.0 - 1.0 / 64.0 && row[36] <= 1.0 / 64.0, "{row:?}");
     assert!((row[31] + row[32] - 1.0).abs() < 0.02, "both sides of the edge: {row:?}");
     assert!(row.windows(2).all(|pair| pair[1] <= pair[0]), "monotone: {row:?}");

@@ -35,12 +35,12 @@ impl Pyramid<'_> {
     /// The answers to many queries.
     ///
     /// Up to 64 receivers in sequence share one way down the pyramid if they lie within a hundred
-    /// texels of each other (two hundred on one plane), look at most 1024 texels far, have the same ID test, no jitter and
-    /// [`Key::Distance`]. Otherwise up to 16 of them that lie within 24 texels of the first try
-    /// again, and so do the others; of those that still differ each searches for itself, with the
-    /// hit of the one before (of the same side) as its hint unless it brings its own. Best are
-    /// blocks of 8 x 8 pixels in Morton order, in which 16 in sequence are neighbours as well. Takes
-    /// 10 KiB of stack.
+    /// texels of each other (two hundred on one plane), look at most 1024 texels far, have the same
+    /// ID test, no jitter and [`Key::Distance`]. Otherwise up to 16 of them that lie within 24 texels
+    /// of the first try again, and so do the others; of those that still differ each searches for
+    /// itself, with the hit of the one before (of the same side) as its hint unless it brings its
+    /// own. Best are blocks of 8 x 8 pixels in Morton order, in which 16 in sequence are neighbours
+    /// as well. Takes 10 KiB of stack.
     ///
     /// # Panics
     ///

@@ -29,7 +29,7 @@ pub(crate) struct Scene<'a, T> {
     pub geometry: Geometry,
     /// The nearest depth of the whole map.
     pub greatest: f32,
-    /// Pixels from one searched column to the next.
+    /// Pixels from one searched row to the next.
     pub group: usize,
     /// Greatest difference between the ends of an interpolated group.
     pub tolerance: f32,
