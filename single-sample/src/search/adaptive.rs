@@ -4,13 +4,13 @@
 //! rows come first, for all columns between two rows can be looked at side by side; and what these
 //! need from a row between is searched in groups along that row, again.
 //!
-//! Unlike in the paper, not only the keys of a group's pixels decide whether it is interpolated, but
-//! also the values ([`super::rule`]).
+//! Unlike in the paper, not only objects and hard shadow test results of a group's pixels decide whether
+//! it is interpolated, but also the values ([`super::rule`]).
 
 use super::curve::Curve;
-use super::lanes::{bits, least};
+use super::lanes::{Bits, least, rows_of_bits};
 use super::list::List;
-use super::rule::Rule;
+use super::rule::{Room, Rule};
 use super::soa::Receivers;
 use super::strip::Strip;
 
@@ -19,26 +19,24 @@ pub(crate) const TILE: usize = 16;
 /// Pixels of a tile.
 pub(crate) const COUNT: usize = TILE * TILE;
 
-/// A pixel that needs no search.
-pub(crate) const NO_KEY: u32 = 0;
-
 /// The blocked fractions of a tile's pixels, searched or interpolated.
 ///
 /// Pixels are asked for in rounds: [`Samples::begin`] asks for the first, and as long as
 /// [`Samples::wanted`] are searched, [`Samples::refine`] asks for more.
 pub(crate) struct Samples {
-    /// What pixels must have in common to be interpolated: the object and the hard shadow test.
-    /// [`NO_KEY`] for those whose value does not matter.
-    pub keys: [u32; COUNT],
     pub values: [f32; COUNT],
     /// A radius in texels which the light's disc has at least at any blocker that may hide part of
     /// it, from there or from the pixels that were interpolated.
     pub discs: [f32; COUNT],
     /// Which values come from a search.
     pub searched: Bits,
+    /// Those whose value matters.
+    pub needed: Bits,
     wanted: List<u8, COUNT>,
-    /// Which pixels have the key of the next one in the row, and of the one below.
-    pub(super) same: [Bits; 2],
+    /// Which pixels show the object that the next one in the row does, and the one below.
+    pub(super) same_object: [Bits; 2],
+    /// Which pixels have the hard shadow test result of these.
+    pub(super) same_hard: [Bits; 2],
     /// Groups along rows, and along columns between these rows. All but the last few are done.
     groups: List<Group, COUNT>,
     groups_done: usize,
@@ -48,8 +46,15 @@ pub(crate) struct Samples {
     pub(super) asked: Bits,
 }
 
-/// Of pixel (x, y), bit x of element y.
-pub(crate) type Bits = [u16; TILE];
+/// What a tile's pixels must have in common to be interpolated.
+pub(crate) struct Keys<'a> {
+    /// The objects' IDs.
+    pub objects: &'a [u32; COUNT],
+    /// Which pixels are in shadow by the hard shadow test.
+    pub hard: Bits,
+    /// Which pixels may be in shadow: the others need no value.
+    pub needed: Bits,
+}
 
 /// Pixels side by side in a row, the first and the last of which are known or asked for.
 #[derive(Clone, Copy)]
@@ -84,12 +89,13 @@ impl Grid {
 impl Samples {
     pub const fn new() -> Samples {
         Samples {
-            keys: [NO_KEY; COUNT],
             values: [0.0; COUNT],
             discs: [f32::INFINITY; COUNT],
             searched: [0; TILE],
+            needed: [0; TILE],
             wanted: List::new(0),
-            same: [[0; TILE]; 2],
+            same_object: [[0; TILE]; 2],
+            same_hard: [[0; TILE]; 2],
             groups: List::new(Group { first: 0, last: 0, is_halved: false }),
             groups_done: 0,
             strips: List::new(Strip::NONE),
@@ -106,8 +112,9 @@ impl Samples {
 
     /// Asks for the ends of all groups along every `group`-th row.
     #[inline(always)]
-    pub fn begin(&mut self, grid: &Grid) {
-        self.compare_keys();
+    pub fn begin(&mut self, grid: &Grid, keys: &Keys<'_>) {
+        self.compare(keys);
+        self.needed = keys.needed;
         self.searched = [0; TILE];
         self.values = [0.0; COUNT];
         self.discs = [f32::INFINITY; COUNT];
@@ -193,8 +200,8 @@ impl Samples {
         let line = Curve::line(ends, length);
         let bend = self.values[middle] - line.at(half, length);
         let disc = least(least(self.discs[first], self.discs[middle]), self.discs[last]);
-        let gap = rule.distance(first, last) * 0.5;
-        if rule.fits(&ends, bend, gap <= disc, length) && self.row_agrees(first, length) {
+        let room = Room::of(rule.distance(first, last) * 0.5, disc);
+        if rule.fits(&ends, bend, room, length) && self.row_agrees(first, length, room) {
             let curve = line.bent(half, length, bend);
             self.interpolate([first, middle], [first, length], &curve, disc);
             self.interpolate([middle, last], [first, length], &curve, disc);
@@ -213,8 +220,8 @@ impl Samples {
         }
         let ends = [self.values[first], self.values[last]];
         let disc = least(self.discs[first], self.discs[last]);
-        let gap = rule.distance(first, last);
-        if rule.are_close(&ends, gap <= disc) && self.row_agrees(first, length) {
+        let room = Room::of(rule.distance(first, last), disc);
+        if rule.are_close(&ends, room) && self.row_agrees(first, length, room) {
             self.interpolate([first, last], [first, length], &Curve::line(ends, length), disc);
         } else {
             self.want(first + length / 2);
@@ -239,36 +246,44 @@ impl Samples {
         }
     }
 
-    /// Whether so many pixels after the first one have its key.
+    /// Whether so many pixels after the first one agree with it, given the `room` between them.
     #[inline(always)]
-    fn row_agrees(&self, first: usize, length: usize) -> bool {
+    fn row_agrees(&self, first: usize, length: usize, room: Room) -> bool {
         let all = ((1 << length) - 1) << (first % TILE);
-        u32::from(self.same[0][first / TILE]) & all == all
+        let agree = |same: &Bits| u32::from(same[first / TILE]) & all == all;
+        agree(&self.same_object[0]) && (room.is_within_penumbra || agree(&self.same_hard[0]))
     }
 
+    /// Compares each pixel with its neighbours.
     #[inline(always)]
-    fn compare_keys(&mut self) {
-        let keys = &self.keys;
+    fn compare(&mut self, keys: &Keys<'_>) {
+        let objects = keys.objects;
         let (mut right, mut down) = ([0; COUNT], [0; COUNT]);
         for i in 0..COUNT - 1 {
-            right[i] = u8::from(keys[i] == keys[i + 1]);
+            right[i] = u8::from(objects[i] == objects[i + 1]);
         }
         for i in 0..COUNT - TILE {
-            down[i] = u8::from(keys[i] == keys[i + TILE]);
+            down[i] = u8::from(objects[i] == objects[i + TILE]);
         }
-        let (right, down) = (right.as_chunks().0, down.as_chunks().0);
+        self.same_object = [rows_of_bits(&right), rows_of_bits(&down)];
         for y in 0..TILE {
+            let below = (y + 1).min(TILE - 1);
+            let right = |bits: &Bits| !(bits[y] ^ bits[y] >> 1);
+            let down = |bits: &Bits| !(bits[y] ^ bits[below]);
             // The last pixel of a row has no next one.
-            self.same[0][y] = bits(&right[y]) & u16::MAX >> 1;
-            self.same[1][y] = bits(&down[y]);
+            self.same_object[0][y] &= right(&keys.needed) & u16::MAX >> 1;
+            self.same_object[1][y] &= down(&keys.needed);
+            self.same_hard[0][y] = right(&keys.hard);
+            self.same_hard[1][y] = down(&keys.hard);
         }
     }
 
     /// Asks for a pixel, unless its value does not matter.
     #[inline(always)]
     fn want(&mut self, pixel: usize) {
-        if self.keys[pixel] != NO_KEY {
-            self.searched[pixel / TILE] |= 1 << (pixel % TILE);
+        let bit = 1 << (pixel % TILE);
+        if self.needed[pixel / TILE] & bit != 0 {
+            self.searched[pixel / TILE] |= bit;
             self.wanted.push(pixel as u8);
         }
     }
@@ -283,18 +298,21 @@ mod tests {
     fn sample(
         grid: &Grid,
         disc: f32,
-        key: impl Fn(usize, usize) -> u32,
+        object: impl Fn(usize, usize) -> u32,
+        hard: Bits,
         blocked: impl Fn(f32, f32) -> f32,
     ) -> ([f32; COUNT], usize) {
         let mut samples = Samples::new();
         let mut receivers = Receivers::new();
+        let (mut objects, mut needed) = ([0; COUNT], [0; TILE]);
         for i in 0..COUNT {
             let (x, y) = (i % TILE, i / TILE);
             (receivers.u[i], receivers.v[i]) = (x as f32, y as f32);
-            samples.keys[i] = if x < grid.width && y < grid.height { key(x, y) } else { NO_KEY };
+            objects[i] = object(x, y);
+            needed[y] |= u16::from(x < grid.width && y < grid.height) << x;
         }
         let mut searched = 0;
-        samples.begin(grid);
+        samples.begin(grid, &Keys { objects: &objects, hard, needed });
         loop {
             for i in 0..samples.wanted().len() {
                 let pixel = usize::from(samples.wanted()[i]);
@@ -311,12 +329,15 @@ mod tests {
         }
     }
 
+    /// No pixel is in shadow by the hard shadow test.
+    const LIT: Bits = [0; TILE];
+
     const GRID: Grid = Grid { width: TILE, height: TILE, group: 8, tolerance: 0.02 };
 
     #[test]
     fn a_parabola_is_interpolated_exactly() {
         let blocked = |x: f32, y: f32| 0.2 + 0.01 * x + 0.0003 * (x * x) + 0.02 * y;
-        let (values, searched) = sample(&GRID, 100.0, |_, _| 7, blocked);
+        let (values, searched) = sample(&GRID, 100.0, |_, _| 7, LIT, blocked);
         for i in 0..COUNT {
             let exact = blocked((i % TILE) as f32, (i / TILE) as f32);
             assert!((values[i] - exact).abs() < 1e-6, "{i}: {} for {exact}", values[i]);
@@ -325,12 +346,12 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_is_searched_with_groups_of_one_or_keys_of_their_own() {
+    fn every_pixel_is_searched_with_groups_of_one_or_objects_of_their_own() {
         let blocked = |x: f32, y: f32| (x * 0.37 + y * 0.11).fract();
         for (group, own) in [(1, false), (8, true), (15, true)] {
             let grid = Grid { width: 13, height: 7, group, ..GRID };
-            let key = |x: usize, y: usize| if own { (y * TILE + x) as u32 + 1 } else { 1 };
-            let (values, searched) = sample(&grid, 100.0, key, blocked);
+            let object = |x: usize, y: usize| if own { (y * TILE + x) as u32 } else { u32::MAX };
+            let (values, searched) = sample(&grid, 100.0, object, LIT, blocked);
             assert_eq!(searched, 13 * 7);
             for (x, y) in (0..7).flat_map(|y| (0..13).map(move |x| (x, y))) {
                 assert_eq!(values[y * TILE + x], blocked(x as f32, y as f32));
@@ -343,11 +364,22 @@ mod tests {
         let stripe = |at: f32| if (at - 5.5).abs() < 2.0 { 1.0 } else { 0.0 };
         for across in [true, false] {
             let blocked = |x: f32, y: f32| stripe(if across { x } else { y });
-            let (values, _) = sample(&GRID, 1.0, |_, _| 1, blocked);
+            let (values, _) = sample(&GRID, 1.0, |_, _| 1, LIT, blocked);
             let found = values.iter().filter(|&&value| value > 0.5).count();
             assert_eq!(found, 4 * TILE);
-            let (values, _) = sample(&GRID, 20.0, |_, _| 1, blocked);
+            let (values, _) = sample(&GRID, 20.0, |_, _| 1, LIT, blocked);
             assert!(values.iter().all(|value| (0.0..=1.0).contains(value)));
+        }
+    }
+
+    #[test]
+    fn a_hard_edge_is_searched_for_unless_it_is_in_a_penumbra() {
+        // All ends of groups are lit, and what blocks pixels 3 to 5 of a row is not in their reach.
+        let spot = |x: f32, _: f32| if (3.0..=5.0).contains(&x) { 0.5 } else { 0.0 };
+        let hard = [0b11_1000; TILE];
+        for (disc, found) in [(f32::INFINITY, 3 * TILE), (1.0, 3 * TILE), (100.0, 0)] {
+            let (values, _) = sample(&GRID, disc, |_, _| 1, hard, spot);
+            assert_eq!(values.iter().filter(|&&value| value > 0.0).count(), found, "{disc}");
         }
     }
 }

@@ -19,8 +19,9 @@ use core::ops::Range;
 
 use super::cell::CELL;
 use super::field::{Field, Texel};
+use super::lanes::least;
 use super::receiver::{Receiver, Seen};
-use super::segments::{LANES, Segment, Segments};
+use super::segments::{LANES, Segment, Segments, Vertex};
 use crate::disc::angle;
 use crate::math::sqrt;
 
@@ -87,6 +88,29 @@ fn add_group(sums: &mut [i32; LANES], receiver: &Seen, segments: &Segments, grou
     }
 }
 
+/// The same. Finds the least nearness of those that contribute or begin `around` the disc: no more
+/// texels away from it.
+#[inline(always)]
+fn add_group_around(
+    sums: &mut [i32; LANES],
+    least: &mut [f32; LANES],
+    receiver: &Seen,
+    around: f32,
+    segments: &Segments,
+    group: usize,
+) {
+    let group = segments.group(group);
+    for i in 0..LANES {
+        let segment = group.get(i);
+        let part = contribution(receiver, &segment);
+        sums[i] = sums[i].wrapping_add(part);
+        let Vertex { x, y, nearness } = segment.from;
+        let (dx, dy, nearer) = (x - receiver.u, y - receiver.v, nearness - receiver.nearness);
+        let counts = (part != 0) | receiver.reaches(dx, dy, nearer, around);
+        least[i] = if counts & (nearness < least[i]) { nearness } else { least[i] };
+    }
+}
+
 #[inline(always)]
 fn add_up(sums: &[i32; LANES]) -> i32 {
     sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
@@ -105,32 +129,54 @@ pub(crate) fn total(receiver: &Seen, segments: &Segments, groups: Range<usize>) 
 /// What segments contribute.
 pub(crate) struct Sum {
     pub total: i32,
-    /// A radius in texels which the disc has at least at any blocker in reach: infinite if there is
-    /// none.
+    /// A radius in texels which the disc has at least at any blocker in reach, and at those around it
+    /// that are looked for: infinite if there is none.
     pub disc: f32,
+}
+
+/// Which discs are looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sought {
+    /// Those at blockers that would be in reach so many texels from the receiver.
+    pub around: f32,
+    /// How much wider ones are does not matter.
+    pub widest: f32,
 }
 
 impl Sum {
     #[inline(always)]
     pub fn add(&mut self, other: &Sum) {
         self.total = self.total.wrapping_add(other.total);
-        self.disc = if other.disc < self.disc { other.disc } else { self.disc };
+        self.disc = least(other.disc, self.disc);
     }
 }
 
 /// The sum over those groups that are in reach, of which the bounds must be known.
 #[inline(always)]
-pub(crate) fn sum_in_reach(receiver: &Seen, segments: &Segments, groups: Range<usize>) -> Sum {
+pub(crate) fn sum_in_reach(
+    receiver: &Seen,
+    sought: &Sought,
+    segments: &Segments,
+    groups: Range<usize>,
+) -> Sum {
     let mut sums = [0_i32; LANES];
-    let mut least = f32::INFINITY;
+    let mut nearness = [f32::INFINITY; LANES];
+    let mut any = f32::INFINITY;
     for group in groups {
         let bounds = segments.bounds(group);
-        if bounds.are_in_reach(receiver) {
-            least = if bounds.nearness[0] < least { bounds.nearness[0] } else { least };
+        if !bounds.are_in_reach(receiver) {
+            continue;
+        }
+        if receiver.disc(bounds.nearness[0]) >= sought.widest {
+            any = least(any, bounds.nearness[0]);
             add_group(&mut sums, receiver, segments, group);
+        } else {
+            let around = sought.around;
+            add_group_around(&mut sums, &mut nearness, receiver, around, segments, group);
         }
     }
-    Sum { total: add_up(&sums), disc: receiver.disc(least) }
+    let nearness = nearness.iter().fold(any, |all, &one| least(one, all));
+    Sum { total: add_up(&sums), disc: receiver.disc(nearness) }
 }
 
 /// The first texel of the cell that a receiver lies in.

@@ -1,5 +1,7 @@
 //! What vectors of lanes need that plain Rust has no instruction for.
 
+use super::adaptive::{COUNT, TILE};
+
 /// The lesser of two numbers, of no interest for NaN: [`f32::min`] takes several instructions.
 #[inline(always)]
 pub(crate) fn least(a: f32, b: f32) -> f32 {
@@ -18,6 +20,19 @@ pub(crate) fn bits_of_eight(lanes: [u8; 8]) -> u8 {
 pub(crate) fn bits(lanes: &[u8; 16]) -> u16 {
     let [low, high] = [0, 1].map(|half| u16::from(bits_of_eight(lanes.as_chunks().0[half])));
     low | high << 8
+}
+
+/// Of pixel (x, y) of a tile, bit x of element y.
+pub(crate) type Bits = [u16; TILE];
+
+/// The same of a tile's pixels.
+#[inline(always)]
+pub(crate) fn rows_of_bits(pixels: &[u8; COUNT]) -> Bits {
+    let mut rows = [0; TILE];
+    for y in 0..TILE {
+        rows[y] = bits(&pixels.as_chunks().0[y]);
+    }
+    rows
 }
 
 #[cfg(test)]

@@ -34,6 +34,8 @@ pub(crate) struct Outline {
     pub greatest: f32,
     /// Whether the map's border cuts the reach of some receiver.
     pub is_cut: bool,
+    /// From any receiver to any other, at most, in texels.
+    pub across: f32,
     /// Whether the outline is in `segments` and `disputed`. If not, receivers find their own.
     pub is_shared: bool,
     /// Groups of lanes.
@@ -47,6 +49,7 @@ impl Outline {
     const NONE: Outline = Outline {
         greatest: 0.0,
         is_cut: false,
+        across: 0.0,
         is_shared: false,
         groups: [0; 2],
         cells: [0; 2],
@@ -120,7 +123,8 @@ impl<T: Texel> FindOutlines<'_, T> {
         let size = [self.field.width, self.field.height];
         let extent = extent(self.groups, group, self.receivers);
         let reach = Reach::new(self.geometry, self.pyramid, self.greatest, size, &extent)?;
-        let own = Outline { greatest: reach.greatest, is_cut: reach.is_cut, ..Outline::NONE };
+        let Reach { greatest, is_cut, .. } = reach;
+        let own = Outline { greatest, is_cut, across: extent.across(), ..Outline::NONE };
         let planes = Planes::of_group(self.groups, group, self.receivers, &extent, &reach);
         self.shared(ops, &extent, &reach, &planes, own)
     }

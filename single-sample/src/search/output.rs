@@ -1,6 +1,6 @@
 //! What is found in a tile, written to the image.
 
-use super::adaptive::{COUNT, Grid, NO_KEY, Samples, TILE};
+use super::adaptive::{COUNT, Grid, Samples, TILE};
 use super::field::{Field, Texel};
 use super::kernels::{Ops, Work};
 use super::soa::Receivers;
@@ -44,9 +44,10 @@ impl<T: Texel, V: Visibility> Work for WriteTile<'_, T, V> {
 fn found(samples: &Samples, row: usize) -> [Found; TILE] {
     let mut found = [Found::Decided; TILE];
     for (i, found) in found.iter_mut().enumerate() {
-        let is_searched = samples.searched[row] >> i & 1 == 1;
-        *found = match (samples.keys[row * TILE + i] == NO_KEY, is_searched) {
-            (true, _) => Found::Decided,
+        let [is_needed, is_searched] =
+            [samples.needed, samples.searched].map(|pixels| pixels[row] >> i & 1 == 1);
+        *found = match (is_needed, is_searched) {
+            (false, _) => Found::Decided,
             (_, true) => Found::Searched,
             (_, false) => Found::Interpolated,
         };

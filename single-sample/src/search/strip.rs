@@ -3,8 +3,8 @@
 
 use super::adaptive::{COUNT, Samples, TILE};
 use super::curve::{Curve, Curves};
-use super::lanes::{bits, least};
-use super::rule::Rule;
+use super::lanes::{Bits, bits, least};
+use super::rule::{Room, Rule};
 
 /// Groups from one row to another.
 #[derive(Clone, Copy)]
@@ -40,17 +40,19 @@ impl Samples {
         let middle = first + half;
         let [start, between, stop] = [first, middle, last].map(|y| row(&self.values, y));
         let discs = [first, middle, last].map(|y| row(&self.discs, y));
-        let (mut curves, mut fits) = (Curves::FLAT, [0; TILE]);
+        let (mut curves, mut fits, mut within) = (Curves::FLAT, [0; TILE], [0; TILE]);
         for x in 0..TILE {
             let ends = [start[x], stop[x]];
             let line = Curve::line(ends, length);
             let bend = between[x] - line.at(half, length);
             curves.set(x, line.bent(half, length, bend));
             let disc = least(least(discs[0][x], discs[1][x]), discs[2][x]);
-            let gap = rule.distance(first * TILE + x, last * TILE + x) * 0.5;
-            fits[x] = u8::from(rule.fits(&ends, bend, gap <= disc, length));
+            let room = Room::of(rule.distance(first * TILE + x, last * TILE + x) * 0.5, disc);
+            fits[x] = u8::from(rule.fits(&ends, bend, room, length));
+            within[x] = u8::from(room.is_within_penumbra);
         }
-        let fitting = strip.columns & bits(&fits) & self.columns_agree(first, last);
+        let agree = self.columns_agree(first, last, bits(&within));
+        let fitting = strip.columns & bits(&fits) & agree;
         self.interpolate_strip([first, middle], [first, length], fitting, &curves);
         self.interpolate_strip([middle, last], [first, length], fitting, &curves);
         let others = strip.columns & !fitting;
@@ -68,15 +70,16 @@ impl Samples {
         }
         let [start, stop] = [first, last].map(|y| row(&self.values, y));
         let discs = [first, last].map(|y| row(&self.discs, y));
-        let (mut curves, mut close) = (Curves::FLAT, [0; TILE]);
+        let (mut curves, mut close, mut within) = (Curves::FLAT, [0; TILE], [0; TILE]);
         for x in 0..TILE {
             let ends = [start[x], stop[x]];
             curves.set(x, Curve::line(ends, length));
             let disc = least(discs[0][x], discs[1][x]);
-            let gap = rule.distance(first * TILE + x, last * TILE + x);
-            close[x] = u8::from(rule.are_close(&ends, gap <= disc));
+            let room = Room::of(rule.distance(first * TILE + x, last * TILE + x), disc);
+            close[x] = u8::from(rule.are_close(&ends, room));
+            within[x] = u8::from(room.is_within_penumbra);
         }
-        let close = columns & bits(&close) & self.columns_agree(first, last);
+        let close = columns & bits(&close) & self.columns_agree(first, last, bits(&within));
         self.interpolate_strip([first, last], [first, length], close, &curves);
         let others = columns & !close;
         self.asked[first + length / 2] |= others;
@@ -108,10 +111,11 @@ impl Samples {
         }
     }
 
-    /// The columns all of whose pixels from one row to another have one key.
+    /// The columns all of whose pixels from one row to another agree, some of them `within` a penumbra.
     #[inline(always)]
-    fn columns_agree(&self, first: usize, last: usize) -> u16 {
-        self.same[1][first..last].iter().fold(u16::MAX, |all, row| all & row)
+    fn columns_agree(&self, first: usize, last: usize, within: u16) -> u16 {
+        let agree = |same: &Bits| same[first..last].iter().fold(u16::MAX, |all, row| all & row);
+        agree(&self.same_object[1]) & (within | agree(&self.same_hard[1]))
     }
 }
 

@@ -4,13 +4,14 @@ use core::ops::Range;
 
 use simd_search::Pyramid;
 
-use super::adaptive::{COUNT, Grid, NO_KEY, Samples};
+use super::adaptive::{COUNT, Grid, Keys, Samples, TILE};
 use super::cell::{CELL, CellBits, is_uniform};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
-use super::integral::{Sum, blocked_fraction, cell_of, hides_center, sum_in_reach, total};
+use super::integral::{Sought, Sum, blocked_fraction, cell_of, hides_center, sum_in_reach, total};
 use super::kernels::{Ops, Work};
+use super::lanes::{Bits, rows_of_bits};
 use super::leaves::LeafTest;
 use super::outline::{Places, STRIP, Strip, cell_bits};
 use super::outlines::{Outline, Outlines};
@@ -56,8 +57,9 @@ impl Sample {
 impl<T: Texel> Work for SearchTile<'_, T> {
     #[inline(always)]
     fn run(mut self, ops: &impl Ops) {
-        self.set_keys();
-        self.samples.begin(self.grid);
+        let needed = self.needed();
+        let keys = Keys { objects: self.ids, hard: self.hard(), needed };
+        self.samples.begin(self.grid, &keys);
         let before = self.counters.searches;
         loop {
             for i in 0..self.samples.wanted().len() {
@@ -71,15 +73,22 @@ impl<T: Texel> Work for SearchTile<'_, T> {
                 break;
             }
         }
-        let receivers = self.samples.keys.iter().filter(|&&key| key != NO_KEY).count() as u32;
+        let receivers: u32 = needed.iter().map(|row| row.count_ones()).sum();
         self.counters.interpolated += receivers - (self.counters.searches - before);
     }
 }
 
 impl<T: Texel> SearchTile<'_, T> {
-    /// What pixels must have in common to be interpolated: the object and the hard shadow test.
+    /// Which pixels belong to a group that something may block.
     #[inline(always)]
-    fn set_keys(&mut self) {
+    fn needed(&self) -> Bits {
+        let groups = &self.outlines.groups;
+        rows_of_bits(&self.groups.pixels_of(|group| groups[group].is_some()).map(u8::from))
+    }
+
+    /// Which pixels are in shadow by the hard shadow test.
+    #[inline(always)]
+    fn hard(&self) -> Bits {
         let r = self.receivers;
         let Field { width, height, texels, .. } = *self.field;
         let last = [(width - 1) as f32, (height - 1) as f32];
@@ -94,13 +103,12 @@ impl<T: Texel> SearchTile<'_, T> {
                 nearness[i] = texel.nearness();
             }
         }
-        let may_be_blocked = self.groups.pixels_of(|group| self.outlines.groups[group].is_some());
+        let mut hard = [0; COUNT];
         for i in 0..COUNT {
             let above = r.hn[i] * nearness[i] > (r.above[i] - r.hv[i] * r.v[i]) - r.hu[i] * r.u[i];
-            let hard = u32::from(above & (nearness[i] > r.nearness[i]));
-            let key = (self.ids[i] << 1 | hard).wrapping_add(1);
-            self.samples.keys[i] = if may_be_blocked[i] { key } else { NO_KEY };
+            hard[i] = u8::from(above & (nearness[i] > r.nearness[i]));
         }
+        rows_of_bits(&hard)
     }
 
     /// Searches one pixel.
@@ -122,7 +130,10 @@ impl<T: Texel> SearchTile<'_, T> {
             }
         }
         let [first, end] = outline.groups;
-        let mut sum = sum_in_reach(&seen, &self.outlines.segments, first..end);
+        let longest = outline.across * (self.grid.group as f32 / TILE as f32);
+        // Nothing between two pixels is farther from both.
+        let sought = Sought { around: longest * 0.5, widest: longest };
+        let mut sum = sum_in_reach(&seen, &sought, &self.outlines.segments, first..end);
         let mut hidden = None;
         if outline.disputed[0] < outline.disputed[1] {
             let (own, hides) = self.disputed(ops, &outline, &receiver, &seen);
