@@ -1,7 +1,9 @@
 //! Colour of the camera's pixels, block by block: surfaces looked up, light added.
 
+use std::ops::Range;
+
 use glam::Vec3;
-use shadowmap_core::Level;
+use shadowmap_core::{Level, View};
 #[cfg(target_arch = "x86_64")]
 use shadowmap_core::LevelKind;
 
@@ -41,15 +43,6 @@ struct Filled {
     surroundings: [f32; 3],
 }
 
-/// What colours the pixels of a block have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Painted {
-    /// That of the first one.
-    Alike,
-    /// Each its own.
-    Each,
-}
-
 impl<'a> Painter<'a> {
     /// A painter of pictures of `shading`.
     #[must_use]
@@ -70,23 +63,27 @@ impl<'a> Painter<'a> {
         &self.block.color
     }
 
+    /// Whether the pixels (x, y) to (x + count - 1, y) see nothing: all of them, and all such pixels of
+    /// a row, have the same colour.
+    #[must_use]
+    pub fn sees_nothing(&self, x: usize, y: usize, count: usize) -> bool {
+        let triangles = &self.shading.map.ids()[self.pixels(x, y, count)];
+        triangles[0] == 0 && are_all(self.level, triangles, 0)
+    }
+
     /// Shades the pixels (x, y) to (x + count - 1, y).
-    pub fn paint(&mut self, x: usize, y: usize, count: usize) -> Painted {
+    pub fn paint(&mut self, x: usize, y: usize, count: usize) {
         let (camera, level) = (self.shading.camera, self.level);
-        let start = y * camera.width() as usize + x;
-        let triangles = &self.shading.map.ids()[start..start + count];
-        let backdrop = {
-            let t = (y as f32 + 0.5) / camera.height() as f32;
-            BACKDROP[0] * (1.0 - t) + BACKDROP[1] * t
-        };
+        let pixels = self.pixels(x, y, count);
+        let start = pixels.start;
+        let triangles = &self.shading.map.ids()[pixels];
         let of_all = are_all(level, triangles, triangles[0]).then_some(triangles[0]);
         if of_all == Some(0) {
-            fill(self.level, &mut self.block.color, backdrop.to_array());
-            return Painted::Alike;
+            return fill(level, &mut self.block.color, backdrop(camera, y).to_array());
         }
         let nearness = block_from(self.shading.map.nearness(), start, &mut self.padded);
         positions(level, camera, x as u32, y as u32, nearness, &mut self.block.position);
-        self.see(triangles, of_all, backdrop);
+        self.see(triangles, of_all, y);
         let lights = self.shading.emitters.iter().zip(self.shading.visibility);
         for (emitters, visibility) in lights {
             let visibility = block_from(visibility, start, &mut self.padded);
@@ -95,17 +92,23 @@ impl<'a> Painter<'a> {
             }
         }
         reflected(level, &mut self.block);
-        Painted::Each
+    }
+
+    /// Where the pixels (x, y) to (x + count - 1, y) lie in the map.
+    fn pixels(&self, x: usize, y: usize, count: usize) -> Range<usize> {
+        let start = y * self.shading.camera.width() as usize + x;
+        start..start + count
     }
 
     /// Sets the surfaces of the block, and what arrives at them without the lights. `of_all` is the
     /// triangle that all pixels see, if they see the same.
-    fn see(&mut self, triangles: &[u32], of_all: Option<u32>, backdrop: Vec3) {
+    fn see(&mut self, triangles: &[u32], of_all: Option<u32>, y: usize) {
         if let Some(filled) = self.filled.as_ref().filter(|filled| of_all == Some(filled.triangle))
         {
             fill(self.level, &mut self.block.irradiance, filled.surroundings);
             return;
         }
+        let backdrop = backdrop(self.shading.camera, y);
         look_up(self.level, &mut self.facets, triangles, backdrop, &mut self.block);
         surround(self.level, &mut self.block, SKY, BOUNCE);
         let of_all = of_all.filter(|_| triangles.len() == BLOCK);
@@ -117,6 +120,12 @@ impl<'a> Painter<'a> {
         let surroundings = self.block.irradiance.each_ref().map(|lane| lane[0]);
         self.facets.get(triangle).is_flat().then_some(Filled { triangle, surroundings })
     }
+}
+
+/// What is seen in row y where there is nothing, linear RGB.
+fn backdrop(camera: &View, y: usize) -> Vec3 {
+    let t = (y as f32 + 0.5) / camera.height() as f32;
+    BACKDROP[0] * (1.0 - t) + BACKDROP[1] * t
 }
 
 levels!(

@@ -4,7 +4,7 @@ use shadowmap_core::{BandSlice, DepthMap, Level, Threads, View, for_each_band_wi
 
 use crate::emitters::Emitter;
 use crate::light_block::{BLOCK, Lane, PADDING, steps};
-use crate::painter::{Painted, Painter};
+use crate::painter::Painter;
 use crate::prepared::Prepared;
 use crate::tone::ToneTable;
 
@@ -104,28 +104,26 @@ fn rows<T: Copy + Send>(
     let start = || Painter::new(shading, level);
     for_each_band_with(threads, bands, start, &|painter, band, rows| {
         for (y, row) in (ROWS * band..).zip(rows.data.chunks_mut(row)) {
-            for (index, out) in row.chunks_mut(3 * step).enumerate() {
-                let (x, count) = (index * step * aa, out.len() / 3);
-                if aa == 1 {
-                    match painter.paint(x, y, count) {
-                        Painted::Each => write(painter.color(), out),
-                        Painted::Alike => repeat(out, |pixel| write(painter.color(), pixel)),
-                    }
+            // Where in the row a block that sees nothing is done.
+            let mut nothing = None;
+            for start in (0..row.len()).step_by(3 * step) {
+                let end = row.len().min(start + 3 * step);
+                let (x, count) = (start / 3 * aa, (end - start) / 3);
+                if aa > 1 {
+                    write(&mean(painter, aa, x, y, count), &mut row[start..end]);
+                } else if !painter.sees_nothing(x, y, count) {
+                    painter.paint(x, y, count);
+                    write(painter.color(), &mut row[start..end]);
+                } else if let Some(nothing) = nothing {
+                    row.copy_within(nothing..nothing + (end - start), start);
                 } else {
-                    write(&mean(painter, aa, x, y, count), out);
+                    painter.paint(x, y, count);
+                    write(painter.color(), &mut row[start..end]);
+                    nothing = Some(start);
                 }
             }
         }
     });
-}
-
-/// Lets `write` write the first pixel, and copies it to all others.
-fn repeat<T: Copy>(out: &mut [T], write: impl FnOnce(&mut [T])) {
-    write(&mut out[..3]);
-    let (pixels, _) = out.as_chunks_mut::<3>();
-    if let Some((&mut first, others)) = pixels.split_first_mut() {
-        others.fill(first);
-    }
 }
 
 /// Linear RGB of `count` pixels of the picture from (x, y) on, each the mean over `aa` times `aa`
