@@ -4,55 +4,48 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::light_block::{Block, Lane, PADDING};
+use crate::light_block::{BLOCK, Block, Lane, PADDING};
 use crate::prepared::{Prepared, corners};
-use crate::scene::Material;
 
 /// What the pixels on one triangle share.
 #[derive(Clone, Copy, Debug)]
-pub struct Facet<'a> {
+pub struct Facet {
     index: u32,
-    /// Whether `normal` says it all.
+    /// Index into the scene's materials; one past the last where there is none.
+    material: u32,
+    /// Whether `normal[0]` says it all.
     is_flat: bool,
+    /// Whether the albedo is looked up for each pixel.
+    is_colored: bool,
     /// Towards the viewer; at a point `normal[0] + b1 normal[1] + b2 normal[2]`, not of unit length.
     normal: [Vec3; 3],
     /// The weights `b1` of the second and `b2` of the third corner at P are `weights . (P - origin)`.
     origin: Vec3,
     weights: [Vec3; 2],
-    albedo: Vec3,
-    emission: Vec3,
-    /// The albedo is looked up instead: of this material, between these vertices.
-    colored: Option<(&'a Material, [u32; 3])>,
 }
 
-impl<'a> Facet<'a> {
-    /// What no triangle is: nothing but light of this colour.
-    pub const fn glowing(emission: Vec3) -> Facet<'a> {
-        Facet {
-            index: 0,
-            is_flat: true,
-            normal: [Vec3::Y, Vec3::ZERO, Vec3::ZERO],
-            origin: Vec3::ZERO,
-            weights: [Vec3::ZERO; 2],
-            albedo: Vec3::ZERO,
-            emission,
-            colored: None,
-        }
-    }
+impl Facet {
+    /// What no triangle is.
+    pub const NONE: Facet = Facet {
+        index: 0,
+        material: u32::MAX,
+        is_flat: true,
+        is_colored: false,
+        normal: [Vec3::Y, Vec3::ZERO, Vec3::ZERO],
+        origin: Vec3::ZERO,
+        weights: [Vec3::ZERO; 2],
+    };
 
     /// The triangle `index - 1`, seen from `eye`, a homogeneous point.
     #[must_use]
     #[inline(always)]
-    pub fn new(prepared: &Prepared<'a>, index: u32, eye: [f32; 4]) -> Facet<'a> {
+    pub fn new(prepared: &Prepared<'_>, index: u32, eye: [f32; 4]) -> Facet {
         let triangle = index as usize - 1;
         let scene = prepared.scene();
-        let material = prepared.material(triangle);
+        let material = scene.triangle_materials.get(triangle).copied();
+        let material = material.unwrap_or(scene.materials.len() as u32);
         let normal = prepared.surfaces()[index as usize].normal;
-        let mut facet = Facet {
-            index,
-            albedo: material.map_or(Vec3::ONE, |m| m.base_color.truncate()),
-            ..Facet::glowing(material.map_or(Vec3::ZERO, |m| m.emissive))
-        };
+        let mut facet = Facet { index, material, ..Facet::NONE };
         facet.normal[0] = normal;
         let vertices = scene.mesh.triangles[triangle];
         let Some([a, b, c]) = corners(scene, vertices) else { return facet };
@@ -60,17 +53,22 @@ impl<'a> Facet<'a> {
         if normal.dot(Vec3::new(x, y, z) - a * w) < 0.0 {
             facet.normal[0] = -normal;
         }
-        let smooth = smooth_normals(&scene.normals, vertices, facet.normal[0]);
-        let colored = !scene.colors.is_empty() || material.is_some_and(|m| m.texture.is_some());
+        let is_smooth = prepared.is_smooth(triangle);
+        let is_colored = prepared.is_colored(material);
+        if !is_smooth && !is_colored {
+            return facet;
+        }
         let (u, v) = (b - a, c - a);
         let [uu, uv, vv] = [u.dot(u), u.dot(v), v.dot(v)];
         let scale = 1.0 / (uu * vv - uv * uv);
-        if (smooth.is_some() || colored) && scale.is_finite() {
+        if scale.is_finite() {
             facet.is_flat = false;
-            facet.normal = smooth.unwrap_or(facet.normal);
+            facet.is_colored = is_colored;
             facet.origin = a;
             facet.weights = [(u * vv - v * uv) * scale, (v * uu - u * uv) * scale];
-            facet.colored = material.filter(|_| colored).map(|material| (material, vertices));
+            if let Some(normals) = vertex_normals(&scene.normals, vertices).filter(|_| is_smooth) {
+                facet.normal = on_side_of(facet.normal[0], normals);
+            }
         }
         facet
     }
@@ -81,19 +79,24 @@ impl<'a> Facet<'a> {
         self.index
     }
 
+    /// The index of its material.
+    #[must_use]
+    pub fn material(&self) -> u32 {
+        self.material
+    }
+
     /// Whether its pixels differ in nothing but the light that they get.
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.is_flat
     }
 
-    /// Sets normal (not of unit length), albedo and emission of the pixels in `run`, which see the
-    /// triangle, and arbitrarily those of less than [`PADDING`] pixels after them.
+    /// Sets the normals (not of unit length) of the pixels in `run`, which see the triangle, and
+    /// arbitrarily those of less than [`PADDING`] pixels after them; where the pixels differ in it,
+    /// also the albedo.
     #[inline(always)]
     pub fn fill(&self, prepared: &Prepared<'_>, block: &mut Block, run: Range<usize>) {
         for start in run.clone().step_by(PADDING) {
-            put(&mut block.emission, start, &same(self.emission));
-            put(&mut block.albedo, start, &same(self.albedo));
             if self.is_flat {
                 put(&mut block.normal, start, &same(self.normal[0]));
                 continue;
@@ -106,12 +109,29 @@ impl<'a> Facet<'a> {
                 (normals[0][i], normals[1][i], normals[2][i]) = (normal.x, normal.y, normal.z);
             }
             put(&mut block.normal, start, &normals);
-            let Some((material, vertices)) = self.colored else { continue };
-            for (i, pixel) in (start..run.end.min(start + PADDING)).enumerate() {
-                let color = prepared.base_color(material, vertices, [b1[i], b2[i]]);
-                for (albedo, value) in block.albedo.iter_mut().zip(color.to_array()) {
-                    albedo[pixel] = value;
-                }
+            if self.is_colored {
+                let run = start..run.end.min(start + PADDING);
+                self.color(prepared, block, run, [b1, b2]);
+            }
+        }
+    }
+
+    /// Looks up the albedo of each pixel in `run`, no more than [`PADDING`] of them.
+    #[inline(never)]
+    fn color(
+        &self,
+        prepared: &Prepared<'_>,
+        block: &mut Block,
+        run: Range<usize>,
+        [b1, b2]: [Piece; 2],
+    ) {
+        let triangle = self.index as usize - 1;
+        let Some(material) = prepared.material(triangle) else { return };
+        let vertices = prepared.scene().mesh.triangles[triangle];
+        for (i, pixel) in run.enumerate() {
+            let color = prepared.base_color(material, vertices, [b1[i], b2[i]]);
+            for (albedo, value) in block.albedo.iter_mut().zip(color.to_array()) {
+                albedo[pixel] = value;
             }
         }
     }
@@ -145,15 +165,32 @@ fn put(lanes: &mut [Lane; 3], start: usize, pieces: &[Piece; 3]) {
     }
 }
 
-/// The first corner's normal and the differences of the others to it, on the side of `flat`;
-/// `None` for a triangle that is flat.
-fn smooth_normals(normals: &[Vec3], vertices: [u32; 3], flat: Vec3) -> Option<[Vec3; 3]> {
-    let normal = |index: u32| normals.get(index as usize).copied();
-    let [a, b, c] = [normal(vertices[0])?, normal(vertices[1])?, normal(vertices[2])?];
-    let known = [a, b, c].iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
-    if !known || (a == b && b == c && a.dot(flat).abs() > 0.9999) {
-        return None;
+/// Sets albedo and emission of the pixels from `start` to the end of the block.
+#[inline(always)]
+pub fn set_look(block: &mut Block, start: usize, albedo: Vec3, emission: Vec3) {
+    for start in (start..BLOCK).step_by(PADDING) {
+        put(&mut block.albedo, start, &same(albedo));
+        put(&mut block.emission, start, &same(emission));
     }
+}
+
+/// Whether the normals of the vertices say more than that of the triangle, `flat`.
+#[must_use]
+pub fn is_smooth(normals: &[Vec3], vertices: [u32; 3], flat: Vec3) -> bool {
+    let Some([a, b, c]) = vertex_normals(normals, vertices) else { return false };
+    let known = [a, b, c].iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
+    known && !(a == b && b == c && a.dot(flat).abs() > 0.9999)
+}
+
+#[inline(always)]
+fn vertex_normals(normals: &[Vec3], [a, b, c]: [u32; 3]) -> Option<[Vec3; 3]> {
+    let normal = |index: u32| normals.get(index as usize).copied();
+    Some([normal(a)?, normal(b)?, normal(c)?])
+}
+
+/// The first of three normals and the differences of the others to it, on the side of `flat`.
+#[inline(always)]
+fn on_side_of(flat: Vec3, [a, b, c]: [Vec3; 3]) -> [Vec3; 3] {
     let side = if (a + b + c).dot(flat) < 0.0 { -1.0 } else { 1.0 };
-    Some([a * side, (b - a) * side, (c - a) * side])
+    [a * side, (b - a) * side, (c - a) * side]
 }

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use shadowmap_core::{Level, View};
 #[cfg(target_arch = "x86_64")]
 use shadowmap_core::LevelKind;
+use shadowmap_core::{Level, View};
 
-use crate::facet::Facet;
+use crate::facet::{Facet, set_look};
 use crate::light_block::{
     BLOCK, Block, Lane, PADDING, add_light, levels, positions, reflected, surround,
 };
@@ -158,31 +158,26 @@ fn block_from<'a>(
 pub struct Facets<'a> {
     prepared: &'a Prepared<'a>,
     eye: [f32; 4],
-    kept: Box<[Facet<'a>; KEPT]>,
+    kept: Box<[Facet; KEPT]>,
 }
 
 impl<'a> Facets<'a> {
     /// None yet.
     #[must_use]
     pub fn new(shading: &Shading<'a>) -> Facets<'a> {
-        let kept = vec![Facet::glowing(Vec3::ZERO); KEPT].try_into();
+        let kept = vec![Facet::NONE; KEPT].try_into();
         let kept = kept.unwrap_or_else(|_| unreachable!("there are just that many"));
         Facets { prepared: shading.prepared, eye: shading.camera.eye(), kept }
     }
 
     /// That of the triangle `index - 1`.
     #[inline(always)]
-    fn get(&mut self, index: u32) -> &Facet<'a> {
-        if self.kept[index as usize % KEPT].index() != index {
-            self.make(index);
+    fn get(&mut self, index: u32) -> &Facet {
+        let kept = &mut self.kept[index as usize % KEPT];
+        if kept.index() != index {
+            *kept = Facet::new(self.prepared, index, self.eye);
         }
-        &self.kept[index as usize % KEPT]
-    }
-
-    /// Apart from [`Facets::get`], which is short and called for every run of pixels.
-    #[inline(never)]
-    fn make(&mut self, index: u32) {
-        self.kept[index as usize % KEPT] = Facet::new(self.prepared, index, self.eye);
+        kept
     }
 }
 
@@ -198,14 +193,25 @@ levels!(
 fn look_up_body(facets: &mut Facets<'_>, triangles: &[u32], backdrop: Vec3, block: &mut Block) {
     let prepared = facets.prepared;
     let mut starts = starts_of_runs(triangles);
+    // What the pixels from the last run on look like; most runs look like the one before.
+    let mut look = None;
     while starts != 0 {
         let start = starts.trailing_zeros() as usize;
         starts &= starts - 1;
         let end = triangles.len().min(starts.trailing_zeros() as usize);
-        match triangles[start] {
-            0 => Facet::glowing(backdrop).fill(prepared, block, start..end),
-            index => facets.get(index).fill(prepared, block, start..end),
+        let facet = match triangles[start] {
+            0 => &Facet::NONE,
+            index => facets.get(index),
+        };
+        if look != Some(facet.material()) {
+            look = Some(facet.material());
+            let (albedo, emission) = match triangles[start] {
+                0 => (Vec3::ZERO, backdrop),
+                _ => prepared.look(facet.material()),
+            };
+            set_look(block, start, albedo, emission);
         }
+        facet.fill(prepared, block, start..end);
     }
 }
 

@@ -8,6 +8,7 @@ use shadowmap_core::{Surface, View};
 
 use crate::backdrops::Backdrops;
 use crate::drawing::HIDDEN;
+use crate::facet::is_smooth;
 use crate::scene::{AlphaMode, Bounds, Material, Scene};
 use crate::solids::Solids;
 
@@ -24,6 +25,8 @@ pub struct Prepared<'a> {
     surfaces: Vec<Surface>,
     /// Which triangles have holes; empty if none has.
     masked: Vec<bool>,
+    /// Which triangles have a normal that changes from corner to corner.
+    smooth: Vec<bool>,
     /// Whether some material is seen from its front only.
     single_sided: bool,
 }
@@ -45,9 +48,13 @@ impl<'a> Prepared<'a> {
             (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::ZERO).as_vec3()
         };
         let known = mesh.triangles.iter().zip(mesh.ids);
-        let surfaces = std::iter::once(Surface::UNKNOWN)
+        let surfaces: Vec<Surface> = std::iter::once(Surface::UNKNOWN)
             .chain(known.map(|(triangle, &id)| Surface { normal: normal(triangle), id }))
             .collect();
+        let is_smooth = |(&triangle, surface): (&[u32; 3], &Surface)| {
+            is_smooth(&scene.normals, triangle, surface.normal)
+        };
+        let smooth = mesh.triangles.iter().zip(&surfaces[1..]).map(is_smooth).collect();
         let material = |&index: &u32| scene.materials.get(index as usize);
         let has_holes = |index| material(index).is_some_and(|m| cutoff(m).is_some());
         let masked: Vec<bool> = scene.triangle_materials.iter().map(has_holes).collect();
@@ -59,6 +66,7 @@ impl<'a> Prepared<'a> {
             backdrops: Backdrops::new(scene),
             solids: Solids::new(scene, &masked),
             surfaces,
+            smooth,
             masked: if any_masked { masked } else { Vec::new() },
             single_sided: scene.triangle_materials.iter().any(single),
         }
@@ -96,6 +104,21 @@ impl<'a> Prepared<'a> {
         &self.masked
     }
 
+    /// Whether the normal of a triangle changes from corner to corner.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_smooth(&self, triangle: usize) -> bool {
+        self.smooth.get(triangle) == Some(&true)
+    }
+
+    /// Whether the colour of the material with this index changes from place to place.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_colored(&self, material: u32) -> bool {
+        let material = self.scene.materials.get(material as usize);
+        material.is_some_and(|m| m.texture.is_some() || !self.scene.colors.is_empty())
+    }
+
     /// Whether the material of a triangle is there, at the place with the given weights of its
     /// second and third corner.
     #[must_use]
@@ -120,6 +143,14 @@ impl<'a> Prepared<'a> {
     pub fn material(&self, triangle: usize) -> Option<&'a Material> {
         let index = *self.scene.triangle_materials.get(triangle)?;
         self.scene.materials.get(index as usize)
+    }
+
+    /// Albedo and emission of the material with this index, linear RGB; white where there is none.
+    #[inline(always)]
+    #[must_use]
+    pub fn look(&self, material: u32) -> (Vec3, Vec3) {
+        let material = self.scene.materials.get(material as usize);
+        material.map_or((Vec3::ONE, Vec3::ZERO), |m| (m.base_color.truncate(), m.emissive))
     }
 
     /// Linear RGBA of a material at the place with the given weights of the second and third of
