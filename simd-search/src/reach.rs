@@ -230,8 +230,10 @@ impl GroupTest {
         let extent = 4.0 * (layout.width as f32 + layout.height as f32 + 64.0);
         let steep = plane.slope.x.abs() + plane.slope.y.abs();
         let far = plane.u.abs() + plane.v.abs() + extent;
+        let near = reach.radius + ((reach.u[1] - reach.u[0]) + (reach.v[1] - reach.v[0]));
+        let farthest = (4.0 * near + 256.0).min(far);
         let steep = steep + (reach.spread.x + reach.spread.y);
-        let magnitude = plane.nearness.abs() + (reach.least.abs() + reach.most.abs()) + steep * far;
+        let magnitude = plane.nearness.abs() + (reach.least.abs() + reach.most.abs()) + steep * farthest;
         let room = magnitude * (1.0 / 1048576.0);
         let shift = jitter * (0.5 + far * (1.0 / 1048576.0));
         GroupTest {
