@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::descend::{Descent, Path, descend};
 use crate::kernels::Ops;
-use crate::leaf::{Candidate, Leaf, SiftTest, Tile, larger};
+use crate::leaf::{Candidate, Leaf, Node, SiftTest, Tile, larger};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::naive::reach as span;
 use crate::precedence::{Sure, preceded};
@@ -226,26 +226,43 @@ impl Descent for Candidates<'_> {
     }
 
     #[inline(always)]
-    fn leaf(&mut self, ops: &impl Ops, group: &Group, nodes: &NodeGroup, lane: u32) {
+    fn concerned(
+        &mut self,
+        ops: &impl Ops,
+        group: &Group,
+        nodes: &NodeGroup,
+        lane: u32,
+        among: u64,
+    ) -> u64 {
+        let is_leaf = group.level == 0;
+        if !self.differ && !is_leaf {
+            return among;
+        }
+        let node = Node::new(group, nodes, lane, self.planes.room);
+        if is_leaf && self.sure.is_some_and(|sure| sure.precedes_box(node.u, node.v)) {
+            return 0;
+        }
+        if !self.differ {
+            return self.everyone;
+        }
+        let among = among & self.everyone;
+        // Nobody may be concerned, although the planes of all together are.
+        self.ask(ops);
+        ops.concerned(&node, self.seekers, among, self.test.lit)
+    }
+
+    #[inline(always)]
+    fn leaf(
+        &mut self,
+        ops: &impl Ops,
+        group: &Group,
+        nodes: &NodeGroup,
+        lane: u32,
+        concerned: u64,
+    ) {
         let [x, y] = group.node(lane);
-        let first = [x * LEAF_WIDTH, y * LEAF_HEIGHT];
-        let x = first[0].min(self.map.width() - COLUMNS as u32);
-        let y = first[1].min(self.map.height() - ROWS as u32);
-        let center = [x as f32 + 0.5, y as f32 + 0.5];
-        let last = [center[0] + (COLUMNS - 1) as f32, center[1] + (ROWS - 1) as f32];
-        if self.sure.is_some_and(|sure| sure.precedes_tile(center, last)) {
-            return;
-        }
-        let mut leaf = Leaf::new(first, [x, y], nodes, lane, self.planes.room);
-        let mut concerned = self.everyone;
-        if self.differ {
-            // Nobody may be concerned, although the planes of all together are.
-            self.ask(ops);
-            concerned = ops.concerned(&leaf, self.seekers, self.test.lit);
-            if concerned == 0 {
-                return;
-            }
-        }
+        let x = (x * LEAF_WIDTH).min(self.map.width() - COLUMNS as u32);
+        let y = (y * LEAF_HEIGHT).min(self.map.height() - ROWS as u32);
         self.test.place(self.reach, &self.planes, x, y);
         let (map, mut unpacked) = (self.map, [[0.0; COLUMNS]; ROWS]);
         let rows = map.tile(x, y, &mut unpacked);
@@ -257,6 +274,7 @@ impl Descent for Candidates<'_> {
         }
         // Some texels lie between the planes of the receivers: each compares with its own.
         self.ask(ops);
+        let mut leaf = Leaf::new([x, y], nodes, lane, self.planes.room);
         for row in 0..ROWS {
             leaf.rows |= u32::from((may >> (row * COLUMNS)) as u16 != 0) << row;
         }

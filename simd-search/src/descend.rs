@@ -19,8 +19,18 @@ pub(crate) trait Descent {
     fn narrow(&self, test: &mut GroupTest);
     /// Nodes with greater keys are of no use.
     fn bound(&self) -> f32;
-    /// Asks the texels of a leaf, one of the nodes of a group.
-    fn leaf(&mut self, ops: &impl Ops, group: &Group, nodes: &NodeGroup, lane: u32);
+    /// Those of the receivers in `among`, bit i for receiver i, that a node may hold the answer for:
+    /// one of the nodes of a group. They alone go into it.
+    fn concerned(
+        &mut self,
+        ops: &impl Ops,
+        group: &Group,
+        nodes: &NodeGroup,
+        lane: u32,
+        among: u64,
+    ) -> u64;
+    /// Lets receivers ask the texels of a leaf.
+    fn leaf(&mut self, ops: &impl Ops, group: &Group, nodes: &NodeGroup, lane: u32, concerned: u64);
 }
 
 /// A group on the way down, of which some nodes wait to be visited.
@@ -32,6 +42,8 @@ struct Frame {
     keys: [u32; LANES],
     /// Nodes before this have been visited.
     from: u32,
+    /// The receivers that go down here.
+    concerned: u64,
 }
 
 /// After all keys.
@@ -45,7 +57,7 @@ pub(crate) struct Path([Frame; MAX_LEVELS]);
 impl Path {
     pub fn new() -> Self {
         let group = Group { level: 0, x: 0, y: 0, index: 0 };
-        Path([Frame { group, keys: [NEVER; LANES], from: 0 }; MAX_LEVELS])
+        Path([Frame { group, keys: [NEVER; LANES], from: 0, concerned: 0 }; MAX_LEVELS])
     }
 }
 
@@ -70,7 +82,8 @@ pub(crate) fn descend(
     for i in 0..xs.len() * ys.len() {
         let (x, y) = (x_order[i % xs.len() % 2], y_order[i / xs.len() % 2]);
         let mut level = top;
-        path.0[level] = visit(ops, descent, pyramid, &mut test, Group { level, x, y, index: 0 });
+        let group = Group { level, x, y, index: 0 };
+        path.0[level] = visit(ops, descent, pyramid, &mut test, group, u64::MAX);
         loop {
             let frame = &mut path.0[level];
             let Some(lane) = next_node(frame, descent.bound()) else {
@@ -80,14 +93,18 @@ pub(crate) fn descend(
                 }
                 continue;
             };
+            let nodes = &pyramid.nodes[frame.group.index];
+            let concerned = descent.concerned(ops, &frame.group, nodes, lane, frame.concerned);
+            if concerned == 0 {
+                continue;
+            }
             if level == 0 {
-                let nodes = &pyramid.nodes[frame.group.index];
-                descent.leaf(ops, &frame.group, nodes, lane);
+                descent.leaf(ops, &frame.group, nodes, lane, concerned);
             } else {
                 let [x, y] = frame.group.node(lane);
                 level -= 1;
                 let group = Group { level, x, y, index: 0 };
-                path.0[level] = visit(ops, descent, pyramid, &mut test, group);
+                path.0[level] = visit(ops, descent, pyramid, &mut test, group, concerned);
             }
         }
     }
@@ -125,9 +142,10 @@ fn visit(
     pyramid: &Pyramid<'_>,
     test: &mut GroupTest,
     group: Group,
+    concerned: u64,
 ) -> Frame {
     let Group { level, x, y, .. } = group;
-    let mut frame = Frame { group, keys: [NEVER; LANES], from: 0 };
+    let mut frame = Frame { group, keys: [NEVER; LANES], from: 0, concerned };
     let Some(index) = pyramid.layout.group(level, x, y) else { return frame };
     frame.group.index = index;
     descent.narrow(test);

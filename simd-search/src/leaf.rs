@@ -2,8 +2,9 @@
 
 use crate::Side;
 use crate::map::{ROWS, Row};
-use crate::pyramid::{LANES, LEAF_HEIGHT, LEAF_WIDTH, NodeGroup};
+use crate::pyramid::{LANES, Layout, NodeGroup};
 use crate::reach::{GroupTest, Reach};
+use crate::walk::Group;
 
 /// A texel that is asked by all receivers of a batch.
 #[derive(Clone, Copy, Default)]
@@ -16,16 +17,39 @@ pub(crate) struct Candidate {
     pub order: f32,
 }
 
-/// A leaf of the pyramid, as each receiver compares it with its own plane.
-pub(crate) struct Leaf {
+/// A node of the pyramid, as each receiver compares it with its own plane.
+pub(crate) struct Node {
     /// Centres of the outermost texels.
     pub u: [f32; 2],
     pub v: [f32; 2],
     pub slope: [f32; 2],
-    /// Bounds at the centre of the leaf, with room for all rounding.
+    /// Bounds at the centre of the node, with room for all rounding.
     pub low: f32,
     pub high: f32,
-    /// That room.
+}
+
+impl Node {
+    /// One of the nodes of a group.
+    #[inline(always)]
+    pub fn new(group: &Group, nodes: &NodeGroup, lane: u32, room: f32) -> Node {
+        let ([x, y], lane) = (group.node(lane), lane as usize % LANES);
+        let [width, height] = Layout::node_size(group.level).map(|size| size as f32);
+        let (u, v) = (x as f32 * width + 0.5, y as f32 * height + 0.5);
+        Node {
+            u: [u, u + (width - 1.0)],
+            v: [v, v + (height - 1.0)],
+            slope: [nodes.slope_x[lane], nodes.slope_y[lane]],
+            low: nodes.low[lane] - room,
+            high: nodes.high[lane] + room,
+        }
+    }
+}
+
+/// The tile of a leaf, as each receiver compares its texels with its own plane.
+pub(crate) struct Leaf {
+    /// Whether it holds a NaN.
+    pub is_unknown: bool,
+    /// Room for all rounding.
     pub room: f32,
     /// Centre of the first texel of the tile that is asked for the leaf: at the end of the map
     /// one that starts before it.
@@ -36,17 +60,11 @@ pub(crate) struct Leaf {
 
 impl Leaf {
     #[inline(always)]
-    pub fn new(first: [u32; 2], tile: [u32; 2], nodes: &NodeGroup, lane: u32, room: f32) -> Leaf {
-        let lane = lane as usize % LANES;
-        let (u, v) = (first[0] as f32 + 0.5, first[1] as f32 + 0.5);
+    pub fn new(first: [u32; 2], nodes: &NodeGroup, lane: u32, room: f32) -> Leaf {
         Leaf {
-            u: [u, u + (LEAF_WIDTH - 1) as f32],
-            v: [v, v + (LEAF_HEIGHT - 1) as f32],
-            slope: [nodes.slope_x[lane], nodes.slope_y[lane]],
-            low: nodes.low[lane] - room,
-            high: nodes.high[lane] + room,
+            is_unknown: nodes.low[lane as usize % LANES] == f32::NEG_INFINITY,
             room,
-            first: [tile[0] as f32 + 0.5, tile[1] as f32 + 0.5],
+            first: [first[0] as f32 + 0.5, first[1] as f32 + 0.5],
             rows: 0,
         }
     }
@@ -54,7 +72,7 @@ impl Leaf {
     /// Whether comparisons may pass over a texel that counts: NaN is lit.
     #[inline(always)]
     pub fn holds_unknown(&self, lit: bool) -> bool {
-        lit && self.low == f32::NEG_INFINITY
+        lit && self.is_unknown
     }
 }
 

@@ -82,15 +82,15 @@ impl Sure {
         Sure { ends, squares, less: most * (-1.0 / 524288.0) }
     }
 
-    /// Whether the texel is closer to each receiver than all others of a tile, whose first and last
-    /// texels have their centres at `first` and `last`.
+    /// Whether the texel is closer to each receiver than all others of a box, whose outermost texels
+    /// have their centres at `u` and `v`.
     #[inline(always)]
-    pub fn precedes_tile(&self, first: [f32; 2], last: [f32; 2]) -> bool {
+    pub fn precedes_box(&self, u: [f32; 2], v: [f32; 2]) -> bool {
         // By how much the square of one distance exceeds that of another is a sum of one term for
-        // each axis. For any place in the tile it is linear in the receiver's coordinate, hence
+        // each axis. For any place in the box it is linear in the receiver's coordinate, hence
         // greatest where the receivers end.
-        let first = [first[0], first[0], first[1], first[1]];
-        let last = [last[0], last[0], last[1], last[1]];
+        let first = [u[0], u[0], v[0], v[0]];
+        let last = [u[1], u[1], v[1], v[1]];
         let mut excess = [0.0; 4];
         for i in 0..4 {
             let gap = larger(larger(first[i] - self.ends[i], self.ends[i] - last[i]), 0.0);

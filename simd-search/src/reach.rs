@@ -225,15 +225,18 @@ impl GroupTest {
     #[inline(always)]
     pub fn new(reach: &Reach, layout: &Layout, jitter: f32) -> Self {
         let plane = reach.plane;
-        // Room for rounding, here and in the texels' own test: more than all errors together. The
-        // nodes' bounds have their own.
         let extent = 4.0 * (layout.width as f32 + layout.height as f32 + 64.0);
-        let steep = plane.slope.x.abs() + plane.slope.y.abs();
         let far = plane.u.abs() + plane.v.abs() + extent;
+        // No node that is visited and within reach is farther away, nor its centre: nodes are not
+        // much larger than the box that is in reach, or of the lowest level.
         let near = reach.radius + ((reach.u[1] - reach.u[0]) + (reach.v[1] - reach.v[0]));
         let farthest = (4.0 * near + 256.0).min(far);
+        // Room for rounding, here and in the texels' own test: more than all errors together. The
+        // nodes' bounds have their own.
+        let steep = plane.slope.x.abs() + plane.slope.y.abs();
         let steep = steep + (reach.spread.x + reach.spread.y);
-        let magnitude = plane.nearness.abs() + (reach.least.abs() + reach.most.abs()) + steep * farthest;
+        let magnitude =
+            plane.nearness.abs() + (reach.least.abs() + reach.most.abs()) + steep * farthest;
         let room = magnitude * (1.0 / 1048576.0);
         let shift = jitter * (0.5 + far * (1.0 / 1048576.0));
         GroupTest {

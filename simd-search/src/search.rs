@@ -315,7 +315,12 @@ impl Descent for Search<'_> {
     }
 
     #[inline(always)]
-    fn leaf(&mut self, ops: &impl Ops, group: &Group, _: &NodeGroup, lane: u32) {
+    fn concerned(&mut self, _: &impl Ops, _: &Group, _: &NodeGroup, _: u32, among: u64) -> u64 {
+        among
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, ops: &impl Ops, group: &Group, _: &NodeGroup, lane: u32, _: u64) {
         let [x, y] = group.node(lane);
         self.ask_tile(ops, x * LEAF_WIDTH, y * LEAF_HEIGHT);
     }

@@ -4,7 +4,7 @@ use core::cell::Cell;
 
 use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Ops, scalar};
-use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, Node, SiftTest, Tile};
 use crate::leaves::{Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
@@ -83,9 +83,9 @@ impl<K: Ops> Ops for Counted<K> {
     fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2] {
         self.ops.parent(children, family)
     }
-    fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
-        self.nodes.set(self.nodes.get() + seekers.count as u64);
-        self.ops.concerned(leaf, seekers, lit)
+    fn concerned(&self, node: &Node, seekers: &Seekers, among: u64, lit: bool) -> u64 {
+        self.nodes.set(self.nodes.get() + u64::from(among.count_ones()));
+        self.ops.concerned(node, seekers, among, lit)
     }
     fn matters(
         &self,

@@ -7,7 +7,7 @@ use shadowmap_core::Level;
 use crate::batch::each_in_pyramid;
 use crate::build::{Bounds, Family, build_upper};
 use crate::classify::{Verdict, classify};
-use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, Node, SiftTest, Tile};
 use crate::leaves::{Ranges, Slopes, Tiles, build_leaves};
 use crate::map::{ROWS, Row};
 use crate::pyramid::{IdGroup, LANES, Layout, NodeGroup, Pyramid};
@@ -66,8 +66,9 @@ pub(crate) trait Ops {
     fn leaves(&self, tiles: &Tiles<'_>, slopes: &Slopes) -> Ranges;
     /// Bounds of a node with each of [`Family::slopes`].
     fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2];
-    /// The receivers that a leaf may hold the answer for by its bounds, bit i for receiver i.
-    fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64;
+    /// Those of the receivers in `among` that a node may hold the answer for by its bounds, bit i for
+    /// receiver i.
+    fn concerned(&self, node: &Node, seekers: &Seekers, among: u64, lit: bool) -> u64;
     /// Those of the receivers in `lanes` that texels of a leaf may be the answer for.
     fn matters(
         &self,
@@ -105,7 +106,7 @@ where
     G: Fn(&GroupTest, &Boxes, &NodeGroup) -> Verdicts,
     L: Fn(&Tiles<'_>, &Slopes) -> Ranges,
     P: Fn(&NodeGroup, &Family) -> [Bounds; 2],
-    C: Fn(&Leaf, &Seekers, bool) -> u64,
+    C: Fn(&Node, &Seekers, u64, bool) -> u64,
     M: Fn(&Leaf, [&Row; ROWS], &Seekers, u64, bool) -> u64,
     K: Fn(&Tile<'_>, &mut Seekers, u64, bool),
     A: Fn(&[Candidate], &mut Seekers, u64, bool),
@@ -135,8 +136,8 @@ where
         (self.parent)(children, family)
     }
     #[inline(always)]
-    fn concerned(&self, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
-        (self.concerned)(leaf, seekers, lit)
+    fn concerned(&self, node: &Node, seekers: &Seekers, among: u64, lit: bool) -> u64 {
+        (self.concerned)(node, seekers, among, lit)
     }
     #[inline(always)]
     fn matters(

@@ -6,7 +6,7 @@ use core::mem::size_of;
 use bytemuck::{AnyBitPattern, bytes_of, cast_slice, pod_read_unaligned};
 
 use super::vectors::{LANE, Vectors, bits, gap, load, parts, tilt, width, word};
-use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, Node, SiftTest, Tile};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::receivers::{BATCH, Seekers};
 
@@ -96,12 +96,20 @@ fn some<F: AnyBitPattern>(column: &[f32; BATCH], at: usize) -> F {
 
 /// [`super::Ops::concerned`].
 #[inline(always)]
-pub(crate) fn concerned<V: Vectors>(v: V, leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
-    let mut lanes = 0;
-    for at in (0..seekers.count).step_by(width::<V>()) {
-        lanes |= u64::from(by_bounds(v, leaf, &Own::of(seekers, at), lit)) << at;
+pub(crate) fn concerned<V: Vectors>(
+    v: V,
+    node: &Node,
+    seekers: &Seekers,
+    among: u64,
+    lit: bool,
+) -> u64 {
+    let (mut lanes, width) = (0, width::<V>());
+    for at in (0..seekers.count).step_by(width) {
+        if among >> at & ((1 << width) - 1) != 0 {
+            lanes |= u64::from(by_bounds(v, node, &Own::of(seekers, at), lit)) << at;
+        }
     }
-    lanes
+    lanes & among
 }
 
 /// [`super::Ops::matters`].
@@ -134,10 +142,10 @@ pub(crate) fn matters<V: Vectors>(
     matters
 }
 
-/// The receivers that a leaf may matter to, by its bounds.
+/// The receivers that a node may matter to, by its bounds.
 #[inline(always)]
-fn by_bounds<V: Vectors>(v: V, leaf: &Leaf, own: &Own<V::F>, lit: bool) -> u32 {
-    let ([left, right], [top, bottom]) = (leaf.u, leaf.v);
+fn by_bounds<V: Vectors>(v: V, node: &Node, own: &Own<V::F>, lit: bool) -> u32 {
+    let ([left, right], [top, bottom]) = (node.u, node.v);
     let dx = gap(v, v.all(left), v.all(right), own.u, own.u);
     let dy = gap(v, v.all(top), v.all(bottom), own.v, own.v);
     let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
@@ -147,14 +155,14 @@ fn by_bounds<V: Vectors>(v: V, leaf: &Leaf, own: &Own<V::F>, lit: bool) -> u32 {
     let from_v = v.sub(v.all((top + bottom) * 0.5), own.v);
     let rise = v.add(v.mul(own.slope[0], from_u), v.mul(own.slope[1], from_v));
     let plane = v.add(v.add(own.nearness, rise), own.offset);
-    let steeper_x = v.abs(v.sub(v.all(leaf.slope[0]), own.slope[0]));
-    let steeper_y = v.abs(v.sub(v.all(leaf.slope[1]), own.slope[1]));
+    let steeper_x = v.abs(v.sub(v.all(node.slope[0]), own.slope[0]));
+    let steeper_y = v.abs(v.sub(v.all(node.slope[1]), own.slope[1]));
     let half = [v.all((right - left) * 0.5), v.all((bottom - top) * 0.5)];
     let spread = tilt(v, [steeper_x, steeper_y], half);
     let none = if lit {
-        v.greater(v.sub(v.all(leaf.low), spread), plane)
+        v.greater(v.sub(v.all(node.low), spread), plane)
     } else {
-        v.at_most(v.add(v.all(leaf.high), spread), plane)
+        v.at_most(v.add(v.all(node.high), spread), plane)
     };
     near & !bits(v, none, 0)
 }

@@ -2,7 +2,7 @@
 
 use crate::build::{Bounds, Family};
 use crate::kernels::{Job, Kernels, Ops};
-use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
+use crate::leaf::{Candidate, Leaf, Node, SiftTest, Tile};
 use crate::leaves::{FIRST, Ranges, Slopes, Tiles};
 use crate::map::{COLUMNS, ROWS, Row};
 use crate::pyramid::{LANES, NodeGroup};
@@ -148,21 +148,21 @@ fn parent(children: &NodeGroup, family: &Family) -> [Bounds; 2] {
     })
 }
 
-fn concerned(leaf: &Leaf, seekers: &Seekers, lit: bool) -> u64 {
-    let [middle_u, middle_v] = [leaf.u, leaf.v].map(|[from, to]| (from + to) * 0.5);
-    let [half_u, half_v] = [leaf.u, leaf.v].map(|[from, to]| (to - from) * 0.5);
+fn concerned(node: &Node, seekers: &Seekers, among: u64, lit: bool) -> u64 {
+    let [middle_u, middle_v] = [node.u, node.v].map(|[from, to]| (from + to) * 0.5);
+    let [half_u, half_v] = [node.u, node.v].map(|[from, to]| (to - from) * 0.5);
     let mut lanes = 0;
-    for i in 0..seekers.count {
+    for i in (0..seekers.count).filter(|i| among >> i & 1 == 1) {
         let (u, v) = (seekers.u[i], seekers.v[i]);
-        let (dx, dy) = (gap(leaf.u[0], leaf.u[1], u, u), gap(leaf.v[0], leaf.v[1], v, v));
+        let (dx, dy) = (gap(node.u[0], node.u[1], u, u), gap(node.v[0], node.v[1], v, v));
         let near = dx * dx + dy * dy <= seekers.distance[i];
         let (slope_x, slope_y) = (seekers.slope_x[i], seekers.slope_y[i]);
         let rise = slope_x * (middle_u - u) + slope_y * (middle_v - v);
         let plane = (seekers.nearness[i] + rise) + seekers.offset[i];
-        let steeper_x = (leaf.slope[0] - slope_x).abs();
-        let steeper_y = (leaf.slope[1] - slope_y).abs();
+        let steeper_x = (node.slope[0] - slope_x).abs();
+        let steeper_y = (node.slope[1] - slope_y).abs();
         let spread = steeper_x * half_u + steeper_y * half_v;
-        let none = if lit { leaf.low - spread > plane } else { leaf.high + spread <= plane };
+        let none = if lit { node.low - spread > plane } else { node.high + spread <= plane };
         lanes |= u64::from(near && !none) << i;
     }
     lanes

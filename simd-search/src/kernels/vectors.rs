@@ -110,7 +110,7 @@ macro_rules! kernels {
     ($v:ident) => {{
         use crate::build::Family;
         use crate::kernels::{bounds, receivers, vectors};
-        use crate::leaf::{Candidate, Leaf, SiftTest, Tile};
+        use crate::leaf::{Candidate, Leaf, Node, SiftTest, Tile};
         use crate::leaves::{Slopes, Tiles};
         use crate::map::{ROWS, Row};
         use crate::pyramid::{LANES, NodeGroup};
@@ -127,8 +127,8 @@ macro_rules! kernels {
             },
             leaves: |tiles: &Tiles<'_>, slopes: &Slopes| bounds::leaves($v, tiles, slopes),
             parent: |children: &NodeGroup, family: &Family| bounds::parent($v, children, family),
-            concerned: |leaf: &Leaf, seekers: &Seekers, lit: bool| {
-                receivers::concerned($v, leaf, seekers, lit)
+            concerned: |node: &Node, seekers: &Seekers, among: u64, lit: bool| {
+                receivers::concerned($v, node, seekers, among, lit)
             },
             matters: |leaf: &Leaf, rows: [&Row; ROWS], seekers: &Seekers, lanes: u64, lit: bool| {
                 receivers::matters($v, leaf, rows, seekers, lanes, lit)
