@@ -65,11 +65,12 @@
 //! Only the texels `a`, and those between the two planes, can be the answer for anyone, and none
 //! farther away than the farthest corner of the receivers' box from the best `a`, nor in a box that
 //! is farther than it from every receiver. The few that are left (some 30 where a flat floor is
-//! shadowed) are asked by 16 receivers at once, one per lane. On curved surfaces many texels lie
-//! between the two planes: there each receiver compares its own plane with the box's bounds before
-//! any texel is looked at, then with the texels, again 16 receivers at once, and only those that
-//! some texel matters to ask: texel by texel or, where many are left, all of the box at once by one
-//! receiver after the other.
+//! shadowed) are asked by 16 receivers at once, one per lane. Where an object stands on the floor,
+//! or an edge runs through the block, the receivers of each plane go down by themselves. On curved
+//! surfaces many texels lie between the two planes: there each receiver compares its own plane with a
+//! box's bounds before anyone goes into it, then with the texels, again 16 receivers at once, and
+//! only those that some texel matters to ask: texel by texel or, where many are left, all of the box
+//! at once by one receiver after the other.
 //!
 //! [`Pyramid::classify`] tells only whether there are any boxes that can matter.
 //!
@@ -109,6 +110,7 @@ mod leaf;
 mod leaves;
 mod map;
 pub mod naive;
+mod parts;
 mod precedence;
 mod pyramid;
 mod query;

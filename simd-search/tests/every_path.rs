@@ -114,6 +114,55 @@ fn blocks_that_look_far() {
     assert!(found > 500, "{found} hits");
 }
 
+/// Blocks of pixels on a folded roof with steep walls, far from the map's origin: many receivers on
+/// each of a few planes, whose own texels are as near as the planes but for rounding.
+#[test]
+fn blocks_on_several_planes() {
+    say_levels("blocks on several planes");
+    let mut found = 0;
+    for seed in 0..40 {
+        let mut random = Random(seed);
+        let (width, height) = (600 + random.below(900), 60 + random.below(40));
+        let folds = 20.0 + random.unit() * 60.0;
+        let slopes = [random.unit() * 0.004, -random.unit() * 0.01, 0.0];
+        // Where x lies on which fold, and the nearness at its start.
+        let fold = |x: f32| (x / folds) as usize;
+        let slope = |x: f32| slopes[fold(x) % 3];
+        let ground = |x: f32, y: f32| {
+            let start: f32 = (0..fold(x)).map(|i| slopes[i % 3] * folds).sum();
+            0.2 + start + slope(x) * (x - fold(x) as f32 * folds) + 1e-4 * y
+        };
+        let nearness = (0..width * height)
+            .map(|i| {
+                let raised = if random.below(3000) == 0 { 0.05 } else { 0.0 };
+                ground((i % width) as f32 + 0.5, (i / width) as f32 + 0.5) + raised
+            })
+            .collect();
+        let texels = Texels { width, height, nearness, ids: vec![] };
+        let spacing = random.pick(&[0.7, 2.9, 9.0]);
+        let left = random.unit() * (width as f32 - 8.0 * spacing);
+        let top = random.unit() * 20.0;
+        let radius = random.pick(&[9.0, 30.0, 90.0]);
+        let offset = random.pick(&[0.0, 1e-6, 1e-4]);
+        let steep = random.pick(&[0, 3, 20]);
+        let queries: Vec<_> = (0..64_u32)
+            .map(|i| {
+                let (x, y) = (left + (i % 8) as f32 * spacing, top + (i / 8) as f32 * spacing);
+                let mut point = LightPoint::flat(x, y, ground(x, y));
+                (point.slope.x, point.slope.y) = (slope(x), 1e-4);
+                if random.below(64) < steep {
+                    point.slope.x += 0.3;
+                }
+                let side = if random.below(9) == 0 { Side::Lit } else { Side::Blocker };
+                Query { side, ..Query::new(point, offset, radius) }
+            })
+            .collect();
+        found += check_all_paths(&texels, &queries, false);
+    }
+    println!("{found} hits");
+    assert!(found > 1000, "{found} hits");
+}
+
 /// Receivers between two tiles, whose planes differ, among texels of about their own nearness: of
 /// those at one distance the first in row-major order is the answer, whichever tile is asked first.
 #[test]
