@@ -106,7 +106,7 @@ fn add_group_around(
         sums[i] = sums[i].wrapping_add(part);
         let Vertex { x, y, nearness } = segment.from;
         let (dx, dy, nearer) = (x - receiver.u, y - receiver.v, nearness - receiver.nearness);
-        let counts = (part != 0) | receiver.reaches(dx, dy, nearer, around);
+        let counts = (part != 0) | receiver.is_around(dx, dy, nearer, around);
         least[i] = if counts & (nearness < least[i]) { nearness } else { least[i] };
     }
 }

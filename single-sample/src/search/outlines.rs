@@ -34,8 +34,8 @@ pub(crate) struct Outline {
     pub greatest: f32,
     /// Whether the map's border cuts the reach of some receiver.
     pub is_cut: bool,
-    /// From any receiver to any other, at most, in texels.
-    pub across: f32,
+    /// The longer side of the receivers' extent, in texels.
+    pub side: f32,
     /// Whether the outline is in `segments` and `disputed`. If not, receivers find their own.
     pub is_shared: bool,
     /// Groups of lanes.
@@ -49,7 +49,7 @@ impl Outline {
     const NONE: Outline = Outline {
         greatest: 0.0,
         is_cut: false,
-        across: 0.0,
+        side: 0.0,
         is_shared: false,
         groups: [0; 2],
         cells: [0; 2],
@@ -124,7 +124,7 @@ impl<T: Texel> FindOutlines<'_, T> {
         let extent = extent(self.groups, group, self.receivers);
         let reach = Reach::new(self.geometry, self.pyramid, self.greatest, size, &extent)?;
         let Reach { greatest, is_cut, .. } = reach;
-        let own = Outline { greatest, is_cut, across: extent.across(), ..Outline::NONE };
+        let own = Outline { greatest, is_cut, side: extent.side(), ..Outline::NONE };
         let planes = Planes::of_group(self.groups, group, self.receivers, &extent, &reach);
         self.shared(ops, &extent, &reach, &planes, own)
     }

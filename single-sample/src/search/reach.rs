@@ -6,7 +6,6 @@ use super::cell::CELL;
 use super::geometry::Geometry;
 use super::outline::Places;
 use super::receiver::Receiver;
-use crate::math::sqrt;
 
 /// Texels from any point of a cell to the texels of that cell, and more.
 const ROOM: f32 = CELL as f32 + 2.0;
@@ -33,11 +32,10 @@ impl Extent {
         Extent { u: [r.u; 2], v: [r.v; 2], nearness: [r.nearness; 2] }
     }
 
-    /// From any place to any other, at most, in texels.
+    /// The longer side, in texels.
     #[inline(always)]
-    pub fn across(&self) -> f32 {
-        let (du, dv) = (self.u[1] - self.u[0], self.v[1] - self.v[0]);
-        sqrt(du * du + dv * dv)
+    pub fn side(&self) -> f32 {
+        (self.u[1] - self.u[0]).max(self.v[1] - self.v[0])
     }
 
     #[inline(always)]

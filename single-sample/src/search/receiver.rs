@@ -215,12 +215,17 @@ impl Seen {
     }
 
     /// Whether what lies (dx, dy) texels away may hide part of the disc, with a nearness that is
-    /// greater than the receiver's by `nearer`, or would if it were `around` texels closer.
+    /// greater than the receiver's by `nearer`.
     #[inline(always)]
-    pub fn reaches(&self, dx: f32, dy: f32, nearer: f32, around: f32) -> bool {
+    pub fn reaches(&self, dx: f32, dy: f32, nearer: f32) -> bool {
         // A texel is ample room for rounding.
-        let room = around + 1.0;
-        let reach = self.reach * if nearer > self.least { nearer } else { self.least } + room;
+        self.is_around(dx, dy, nearer, 1.0)
+    }
+
+    /// Whether it is no more than so many texels away from the disc.
+    #[inline(always)]
+    pub fn is_around(&self, dx: f32, dy: f32, nearer: f32, texels: f32) -> bool {
+        let reach = self.reach * if nearer > self.least { nearer } else { self.least } + texels;
         dx * dx + dy * dy <= reach * reach
     }
 }

@@ -80,7 +80,7 @@ impl Bounds {
             if apart > 0.0 { apart } else { 0.0 }
         };
         let (dx, dy) = (apart(r.u, self.u), apart(r.v, self.v));
-        r.reaches(dx, dy, self.nearness[1] - r.nearness, 0.0)
+        r.reaches(dx, dy, self.nearness[1] - r.nearness)
     }
 }
 

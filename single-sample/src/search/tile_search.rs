@@ -130,8 +130,8 @@ impl<T: Texel> SearchTile<'_, T> {
             }
         }
         let [first, end] = outline.groups;
-        let longest = outline.across * (self.grid.group as f32 / TILE as f32);
-        // Nothing between two pixels is farther from both.
+        let longest = outline.side * (self.grid.group as f32 / TILE as f32);
+        // What lies between two pixels is no farther from one of them.
         let sought = Sought { around: longest * 0.5, widest: longest };
         let mut sum = sum_in_reach(&seen, &sought, &self.outlines.segments, first..end);
         let mut hidden = None;
