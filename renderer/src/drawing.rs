@@ -5,6 +5,7 @@ use shadowmap_core::{DepthMap, Level, Mesh, Threads, View};
 use simd_search::{LeafBands, NodeGroup, Pyramid};
 
 use crate::prepared::Prepared;
+use crate::solids::Shown;
 
 /// The indices of a triangle that is not drawn but keeps its place: no vertex has them.
 pub(crate) const HIDDEN: [u32; 3] = [u32::MAX; 3];
@@ -23,13 +24,15 @@ pub(crate) enum Viewer {
 pub(crate) struct Drawing {
     level: Level,
     rasterizer: Rasterizer,
-    /// The scene's triangles but for those that are not drawn.
+    /// The scene's triangles but for those that are not drawn, for the camera and for a light.
     triangles: Vec<[u32; 3]>,
+    shown: Shown,
 }
 
 impl Drawing {
     pub fn new(level: Level, threads: Threads) -> Drawing {
-        Drawing { level, rasterizer: Rasterizer::new(level, threads), triangles: Vec::new() }
+        let rasterizer = Rasterizer::new(level, threads);
+        Drawing { level, rasterizer, triangles: Vec::new(), shown: Shown::default() }
     }
 
     /// Draws one map per view, in one pass over the mesh. Returns how many triangles were drawn.
@@ -94,14 +97,19 @@ impl Drawing {
                 *map = DepthBuffer::new(view.width(), view.height());
             }
         }
-        let mut mesh = prepared.scene().mesh.as_mesh();
+        let mesh = prepared.scene().mesh.as_mesh();
         let shown = match viewer {
-            Viewer::Camera => prepared.front_faces(views, &mut self.triangles),
-            Viewer::Light => prepared.solids().nearest(mesh.triangles, views, &mut self.triangles),
+            Viewer::Camera => prepared
+                .front_faces(views, &mut self.triangles)
+                .map(|triangles| Mesh { triangles, ..mesh }),
+            Viewer::Light => {
+                // The alpha test goes by the place.
+                let keep_places = !prepared.masked().is_empty();
+                let (level, shown) = (self.level, &mut self.shown);
+                prepared.solids().nearest(level, &mesh, views, keep_places, shown)
+            }
         };
-        if let Some(triangles) = shown {
-            mesh = Mesh { triangles, ..mesh };
-        }
+        let mesh = shown.unwrap_or(mesh);
         let mut targets: Vec<Target<'_>> = maps.iter_mut().map(DepthBuffer::target).collect();
         let rasterizer = &mut self.rasterizer;
         let stats = prepared.with_alpha_mask(|mask| draw(rasterizer, &mesh, mask, &mut targets));

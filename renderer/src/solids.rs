@@ -1,16 +1,17 @@
 //! Closed surfaces: from outside of one, its front faces hide all of its back faces.
 
+mod faces;
+
 use std::collections::HashMap;
 
-use glam::{DVec3, Vec3, Vec4};
-use shadowmap_core::View;
+use glam::{DVec3, Vec3};
+use shadowmap_core::{Level, Mesh, View};
 
-use crate::drawing::HIDDEN;
 use crate::prepared::corners;
 use crate::scene::{Bounds, Scene};
 
-/// How far behind a face, of the distances at hand, a viewer must be: what rounding leaves.
-const TOLERANCE: f32 = 1e-5;
+use faces::Faces;
+pub use faces::Shown;
 
 /// The closed surfaces of a scene, and which triangles they consist of.
 ///
@@ -20,8 +21,8 @@ const TOLERANCE: f32 = 1e-5;
 #[derive(Clone, Debug)]
 pub struct Solids {
     solids: Vec<Solid>,
-    /// That of each triangle; empty if there are no solids.
-    faces: Vec<Face>,
+    /// All triangles; empty if there are no solids.
+    faces: Faces,
 }
 
 /// A closed surface.
@@ -46,18 +47,6 @@ impl Solid {
     }
 }
 
-/// A triangle as a part of a closed surface.
-#[derive(Clone, Copy, Debug)]
-struct Face {
-    /// Over (x, y, z, 1), positive outside. Zero for a triangle that is part of none.
-    plane: Vec4,
-    solid: u32,
-}
-
-impl Face {
-    const NONE: Face = Face { plane: Vec4::ZERO, solid: 0 };
-}
-
 impl Solids {
     /// Those of a scene; triangles that are `masked` may have holes and close nothing.
     #[must_use]
@@ -70,7 +59,7 @@ impl Solids {
             shell.add(triangle.map(|vertex| pieces.welded[vertex as usize]), corners);
             shell.has_holes |= masked.get(index) == Some(&true);
         }
-        let mut solids = Solids { solids: Vec::new(), faces: Vec::new() };
+        let mut solids = Solids { solids: Vec::new(), faces: Faces::default() };
         let mut of_roots = HashMap::new();
         for (root, shell) in shells {
             if let Some(outwards) = shell.outwards() {
@@ -81,17 +70,16 @@ impl Solids {
         if of_roots.is_empty() {
             return solids;
         }
-        let face = |&triangle: &[u32; 3]| {
-            let Some(corners) = corners(scene, triangle) else { return Face::NONE };
-            let Some(&(solid, outwards)) = of_roots.get(&pieces.root(triangle[0])) else {
-                return Face::NONE;
-            };
-            let [a, b, c] = corners.map(Vec3::as_dvec3);
-            let Some(normal) = (b - a).cross(c - a).try_normalize() else { return Face::NONE };
-            let normal = normal * outwards;
-            Face { plane: normal.extend(-normal.dot(a)).as_vec4(), solid }
-        };
-        solids.faces = scene.mesh.triangles.iter().map(face).collect();
+        for &triangle in &scene.mesh.triangles {
+            let face = corners(scene, triangle).and_then(|[a, b, c]| {
+                let &(solid, outwards) = of_roots.get(&pieces.root(triangle[0]))?;
+                let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+                let normal = (b - a).cross(c - a).try_normalize()? * outwards;
+                Some((normal.extend(-normal.dot(a)).as_vec4(), solid))
+            });
+            let (plane, solid) = face.unwrap_or_default();
+            solids.faces.push(plane, solid);
+        }
         for (vertex, &position) in (0..).zip(&scene.mesh.positions) {
             let is_first = pieces.welded[vertex as usize] == vertex;
             if let Some(&(solid, _)) = of_roots.get(&pieces.root(vertex)).filter(|_| is_first) {
@@ -101,39 +89,24 @@ impl Solids {
         solids
     }
 
-    /// Writes to `triangles` those of `all`, the scene's, that can be the nearest in one of `views`.
-    /// The others keep their place and get indices that no vertex has. `None` if all can.
+    /// Those triangles of `mesh`, the scene's, that can be the nearest in one of `views`, listed in
+    /// `shown`; `None` if all can. If they are to `keep_places`, the others stay in the list and get
+    /// indices that no vertex has.
     pub fn nearest<'t>(
         &self,
-        all: &[[u32; 3]],
+        level: Level,
+        mesh: &Mesh<'t>,
         views: &[View],
-        triangles: &'t mut Vec<[u32; 3]>,
-    ) -> Option<&'t [[u32; 3]]> {
+        keep_places: bool,
+        shown: &'t mut Shown,
+    ) -> Option<Mesh<'t>> {
         let outside = |solid: &Solid| views.iter().all(|view| solid.is_in_front(view));
         let outside: Vec<bool> = self.solids.iter().map(outside).collect();
         if !outside.contains(&true) {
             return None;
         }
-        let eyes: Vec<Vec4> = views.iter().map(|view| Vec4::from(view.eye())).collect();
-        let size = |eye: &Vec4| eye.abs().max_element();
-        let farthest = eyes.iter().map(size).fold(0.0, f32::max);
-        let is_hidden = |face: &Face| {
-            let tolerance = TOLERANCE * (farthest + face.plane.w.abs());
-            let behind = |eye: &Vec4| {
-                let (x, y) = (face.plane.x * eye.x, face.plane.y * eye.y);
-                ((x + y) + face.plane.z * eye.z) + face.plane.w * eye.w < -tolerance
-            };
-            outside[face.solid as usize] && eyes.iter().all(behind)
-        };
-        triangles.clear();
-        triangles.extend(
-            all.iter().zip(&self.faces).map(
-                |(&triangle, face)| {
-                    if is_hidden(face) { HIDDEN } else { triangle }
-                },
-            ),
-        );
-        Some(triangles)
+        let eyes: Vec<[f32; 4]> = views.iter().map(View::eye).collect();
+        Some(self.faces.shown(level, &outside, &eyes, mesh, keep_places, shown))
     }
 }
 
@@ -240,7 +213,7 @@ fn random(number: u64) -> u64 {
 mod tests {
     use super::*;
     use crate::builtin;
-    use crate::drawing::{Drawing, Viewer};
+    use crate::drawing::{Drawing, HIDDEN, Viewer};
     use crate::prepared::Prepared;
     use raster::{DepthBuffer, Payload, Rasterizer};
     use shadowmap_core::{Level, Threads};
@@ -268,10 +241,16 @@ mod tests {
 
     /// How many triangles can be the nearest from there.
     fn count(scene: &Scene, masked: &[bool], views: &[View]) -> usize {
-        let (solids, mut some) = (Solids::new(scene, masked), Vec::new());
-        let all = &scene.mesh.triangles;
-        let found = solids.nearest(all, views, &mut some).unwrap_or(all);
-        found.iter().filter(|&&triangle| triangle != HIDDEN).count()
+        let (solids, mut shown) = (Solids::new(scene, masked), Shown::default());
+        let mesh = scene.mesh.as_mesh();
+        let [in_place, listed] = [true, false].map(|keep_places| {
+            let found = solids.nearest(Level::detect(), &mesh, views, keep_places, &mut shown);
+            let found = found.unwrap_or(mesh);
+            assert_eq!(found.triangles.len(), found.ids.len());
+            found.triangles.iter().filter(|&&triangle| triangle != HIDDEN).count()
+        });
+        assert_eq!(in_place, listed);
+        listed
     }
 
     #[test]
