@@ -20,6 +20,8 @@ const ROOM: usize = 64;
 /// As many texels of a tile take longer to be asked one after the other, by all receivers at once,
 /// than the whole tile by one receiver after the other.
 const MANY: u32 = 16;
+/// As many receivers with different slopes have too little in common for texels to be sorted.
+const SOME: u32 = 16;
 /// The farthest a batch looks, in texels: squared distances that differ then differ after rounding
 /// as well.
 const FARTHEST: f32 = 1024.0;
@@ -45,8 +47,9 @@ struct Candidates<'a> {
     count: usize,
     lanes: u64,
     everyone: u64,
-    /// The receivers' planes have different slopes, by more than rounding makes of equal ones, or the
-    /// receivers are not close to the same texels.
+    /// The receivers' planes have different slopes, by more than rounding makes of equal ones...
+    is_tilted: bool,
+    /// ...or the receivers are not close to the same texels.
     differ: bool,
     /// A texel that counts for all receivers, close to all of them.
     sure: Option<Sure>,
@@ -86,6 +89,7 @@ pub(crate) fn ask_all(
         count: 0,
         lanes: everyone,
         everyone,
+        is_tilted,
         differ: size > WIDE || is_tilted,
         sure: None,
     };
@@ -263,9 +267,13 @@ impl Descent for Candidates<'_> {
         let [x, y] = group.node(lane);
         let x = (x * LEAF_WIDTH).min(self.map.width() - COLUMNS as u32);
         let y = (y * LEAF_HEIGHT).min(self.map.height() - ROWS as u32);
-        self.test.place(self.reach, &self.planes, x, y);
         let (map, mut unpacked) = (self.map, [[0.0; COLUMNS]; ROWS]);
         let rows = map.tile(x, y, &mut unpacked);
+        if self.is_tilted && self.ids == IdTest::Any && concerned.count_ones() <= SOME {
+            self.ask_tile(ops, &Tile { first: [x, y], rows }, concerned, 0);
+            return;
+        }
+        self.test.place(self.reach, &self.planes, x, y);
         let [may, sure] = ops.sift(&self.test, rows);
         if may == sure {
             let sure = self.passing(ops, [x, y], sure);

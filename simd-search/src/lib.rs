@@ -70,7 +70,7 @@
 //! surfaces many texels lie between the two planes: there each receiver compares its own plane with a
 //! box's bounds before anyone goes into it, then with the texels, again 16 receivers at once, and
 //! only those that some texel matters to ask: texel by texel or, where many are left, all of the box
-//! at once by one receiver after the other.
+//! at once by one receiver after the other. A few that go into a box ask all of it without sorting.
 //!
 //! [`Pyramid::classify`] tells only whether there are any boxes that can matter.
 //!
