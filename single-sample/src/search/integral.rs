@@ -19,7 +19,7 @@ use core::ops::Range;
 
 use super::cell::CELL;
 use super::field::{Field, Texel};
-use super::lanes::least;
+use super::lanes::{least, least_of};
 use super::receiver::{Receiver, Seen};
 use super::segments::{LANES, Segment, Segments, Vertex};
 use crate::disc::angle;
@@ -175,8 +175,7 @@ pub(crate) fn sum_in_reach(
             add_group_around(&mut sums, &mut nearness, receiver, around, segments, group);
         }
     }
-    let nearness = nearness.iter().fold(any, |all, &one| least(one, all));
-    Sum { total: add_up(&sums), disc: receiver.disc(nearness) }
+    Sum { total: add_up(&sums), disc: receiver.disc(least(any, least_of(nearness))) }
 }
 
 /// The first texel of the cell that a receiver lies in.

@@ -8,6 +8,19 @@ pub(crate) fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// The least of some lanes.
+#[inline(always)]
+pub(crate) fn least_of(mut lanes: [f32; TILE]) -> f32 {
+    let mut half = TILE / 2;
+    while half > 0 {
+        for i in 0..half {
+            lanes[i] = least(lanes[i], lanes[i + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
+}
+
 /// Of lane i, which is 0 or 1, bit i.
 #[inline(always)]
 pub(crate) fn bits_of_eight(lanes: [u8; 8]) -> u8 {
