@@ -80,7 +80,7 @@ pub(crate) fn descend(
     let x_order = nearer_first(&xs, &columns, width);
     let y_order = nearer_first(&ys, &rows, height);
     for i in 0..xs.len() * ys.len() {
-        let (x, y) = (x_order[i % xs.len() % 2], y_order[i / xs.len() % 2]);
+        let (x, y) = (x_order[i % xs.len() % 3], y_order[i / xs.len() % 3]);
         let mut level = top;
         let group = Group { level, x, y, index: 0 };
         path.0[level] = visit(ops, descent, pyramid, &mut test, group, u64::MAX);

@@ -93,21 +93,23 @@ pub(crate) fn groups(columns: &Range<u32>, rows: &Range<u32>, level: usize) -> [
     [columns.start / width..past(columns, width), rows.start / height..past(rows, height)]
 }
 
-/// The one or two numbers of a range, the one closer to the middle of the texels that they are the
+/// The one to three numbers of a range, those closer to the middle of the texels that they are the
 /// groups of first.
 #[inline(always)]
-pub(crate) fn nearer_first(groups: &Range<u32>, texels: &Range<u32>, size: u32) -> [u32; 2] {
-    let first = (texels.start + (texels.end - texels.start) / 2) / size;
-    [first, groups.start + (groups.end - 1) - first]
+pub(crate) fn nearer_first(groups: &Range<u32>, texels: &Range<u32>, size: u32) -> [u32; 3] {
+    let first = (texels.start + (texels.end - texels.start) / 2) / size - groups.start;
+    let (second, third) = [(1, 2), (0, 2), (1, 0)][first as usize % 3];
+    [groups.start + first, groups.start + second, groups.start + third]
 }
 
-/// The level whose groups are at least as large as a box: it meets at most four of them.
+/// The level whose groups are at least as wide as a box, and half as high: it meets at most six of
+/// them.
 #[inline(always)]
 pub(crate) fn level_of(layout: &Layout, columns: &Range<u32>, rows: &Range<u32>) -> usize {
     let mut level = 0;
     while level + 1 < layout.count {
         let [width, height] = group_size(level);
-        if width as usize >= columns.len() && height as usize >= rows.len() {
+        if width as usize >= columns.len() && 2 * height as usize >= rows.len() {
             break;
         }
         level += 1;
