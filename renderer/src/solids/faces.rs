@@ -105,10 +105,13 @@ fn list_body(
                 *hidden &= outside[solid as usize];
             }
         }
-        for (lane, (&triangle, hidden)) in block.iter().zip(hidden).enumerate() {
-            // Written in any case, which is faster than to decide.
-            triangles[count] = if hidden { HIDDEN } else { triangle };
+        for (lane, (triangle, hidden)) in block.iter().zip(hidden).enumerate() {
+            // Written in any case and overwritten by the next one, which is faster than to decide.
+            triangles[count] = *triangle;
             ids[count] = mesh.ids.get(first + lane).copied().unwrap_or(0);
+            if keep_places && hidden {
+                triangles[count] = HIDDEN;
+            }
             count += usize::from(keep_places | !hidden);
         }
     }
