@@ -155,10 +155,13 @@ impl ReadPixels<'_> {
         let [left, top] = self.pixel;
         for i in 0..COUNT {
             let (x, y, nearness) = (i % TILE, i / TILE, self.pixels.nearness[i]);
-            if nearness > 0.0 {
+            let (id, plane) = if nearness > 0.0 {
                 let (id, plane) = self.camera.plane(left + x as u32, top + y as u32, nearness);
-                self.pixels.set_plane(i, id, plane.0);
-            }
+                (id, plane.0)
+            } else {
+                (0, [0.0; 4])
+            };
+            self.pixels.set_plane(i, id, plane);
         }
         self.pixels.find_surfaces();
     }
@@ -181,5 +184,46 @@ impl ReadPixels<'_> {
             }
         }
         tile
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use shadowmap_core::{DepthMap, Level, View};
+
+    use super::super::kernels;
+    use super::*;
+
+    #[test]
+    fn a_tile_does_not_depend_on_the_one_before() {
+        const WIDTH: u32 = 2 * TILE as u32;
+        let view = View::perspective(Vec3::Y * 4.0, Vec3::ZERO, Vec3::Z, 1.0, WIDTH, 3, 0.1);
+        // The second tile sees something in every third pixel only.
+        let is_seen = |i: u32| i % WIDTH < TILE as u32 || i.is_multiple_of(3);
+        let nearness: Vec<f32> =
+            (0..WIDTH * 3).map(|i| if is_seen(i) { 0.25 + 0.01 * i as f32 } else { 0.0 }).collect();
+        let ids: Vec<u32> = (0..WIDTH * 3).collect();
+        let map = DepthMap::new(WIDTH, 3, &nearness, &ids).unwrap();
+        let normals = [Vec3::Y; WIDTH as usize * 3];
+        let table = [Surface { normal: Vec3::Y, id: 7 }; 40];
+        for surfaces in [Surfaces::FromDepth, Surfaces::Normals(&normals), Surfaces::Table(&table)]
+        {
+            let camera = Camera::new(&view, map, surfaces).unwrap();
+            let grid = Grid { width: TILE, height: 3, group: 8, tolerance: 0.0 };
+            let read = |pixels: &mut Pixels, tile: u32| {
+                let (camera, pixel) = (&camera, [tile * TILE as u32, 0]);
+                let work =
+                    ReadPixels { camera, pixel, grid: &grid, id: None, pixels, seen: &mut 0 };
+                kernels::run(Level::SCALAR, work);
+            };
+            let (mut first, mut second) = (Pixels::new(), Pixels::new());
+            read(&mut first, 1);
+            read(&mut second, 0);
+            read(&mut second, 1);
+            assert_eq!(first.ids(), second.ids(), "{surfaces:?}");
+            assert!(first.surfaces.iter().eq(second.surfaces.iter()), "{surfaces:?}");
+        }
     }
 }
