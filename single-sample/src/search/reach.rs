@@ -71,6 +71,8 @@ impl Reach {
         if !blockers_are_possible {
             return None;
         }
+        // An infinite nearness has a place even where discs have no size.
+        let nearer = nearer.min(f32::MAX);
         let (a, b) = (g.stretch(extent.u[0], extent.v[0]), g.stretch(extent.u[1], extent.v[1]));
         let stretch = [a[0].max(b[0]), a[1].max(b[1])];
         let (columns, cut_u) = range(extent.u, nearer * (g.spread[0] * stretch[0]), width);

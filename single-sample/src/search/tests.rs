@@ -119,6 +119,21 @@ fn vector() -> impl Strategy<Value = Vec3> {
     [-1.0..1.0_f32, -1.0..1.0_f32, -1.0..1.0_f32].prop_map(Vec3::from)
 }
 
+#[test]
+fn an_infinitely_near_texel_leaves_the_shadows_of_others() {
+    // Under a point light, whose discs have no size.
+    let mut maps = ground_and_plates(false, &[([12, 12, 16, 16], 2.0, 0.0)], Vec3::Y * 3.0, &[]);
+    let parameters = Parameters { group: 1, ..Parameters::default() };
+    let level = Level::detect();
+    let (expected, _) = maps.render::<f32>(level, Threads::One, &parameters, false);
+    assert!(expected.contains(&0.0));
+    for near in [f32::INFINITY, f32::MAX] {
+        maps.texels[0] = near;
+        let (found, _) = maps.render::<f32>(level, Threads::One, &parameters, false);
+        assert_eq!(found, expected, "{near}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
     #[test]
