@@ -67,6 +67,9 @@ pub use receiver::{HardShadow, LightPoint, hard_shadow};
 pub use view::{Projection, View, Window};
 pub use warp::{Plane, Warp};
 
+/// The version of glam whose vectors and matrices all crates of the workspace take.
+pub use glam;
+
 /// The examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
