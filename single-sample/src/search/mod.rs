@@ -87,7 +87,7 @@ use tile::{Scene, Scratch, tile};
 pub struct Parameters {
     /// The radius of the light's disc. For a perspective view in metres, around the view's eye; for
     /// an orthographic view the tangent of half the light's angular diameter. 0 gives hard shadows,
-    /// smoothed over a texel; the sign does not matter.
+    /// smoothed over a texel; the sign does not matter, and NaN counts as 0.
     pub radius: f32,
     /// Groups of `group + 1` pixels along every `group`-th row, and then along the columns between these
     /// rows, are interpolated where the pixels see one object and have one hard shadow test
@@ -193,7 +193,8 @@ fn geometry<T: Texel>(
     parameters: &Parameters,
 ) -> Geometry {
     let unit = T::unit(light.view());
-    Geometry::new(camera.view(), light.view(), parameters.radius.abs(), unit, parameters.bias)
+    let radius = if parameters.radius.is_nan() { 0.0 } else { parameters.radius.abs() };
+    Geometry::new(camera.view(), light.view(), radius, unit, parameters.bias)
 }
 
 fn run<T: Texel, V: Visibility>(

@@ -120,6 +120,17 @@ fn vector() -> impl Strategy<Value = Vec3> {
 }
 
 #[test]
+fn a_radius_that_is_no_number_counts_as_none() {
+    let maps = ground_and_plates(false, &[([12, 12, 16, 16], 2.0, 0.0)], Vec3::Y * 3.0, &[]);
+    let [none, nan] = [0.0, f32::NAN].map(|radius| {
+        let parameters = Parameters { radius, ..Parameters::default() };
+        maps.render::<f32>(Level::detect(), Threads::One, &parameters, false).0
+    });
+    assert!(none.contains(&0.0));
+    assert_eq!(nan, none);
+}
+
+#[test]
 fn an_infinitely_near_texel_leaves_the_shadows_of_others() {
     // Under a point light, whose discs have no size.
     let mut maps = ground_and_plates(false, &[([12, 12, 16, 16], 2.0, 0.0)], Vec3::Y * 3.0, &[]);
