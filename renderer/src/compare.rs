@@ -103,9 +103,10 @@ pub fn compare_files(
     max_memory: u64,
 ) -> Result<(Comparison, Picture), Error> {
     let read = |path| read(path, max_memory);
+    let with_name = |why| Error::new(format_args!("{}: {why}", a.display()));
     let (a, b) = (read(a)?, read(b)?);
     let reference = reference.map(read).transpose()?;
-    let comparison = compare(&a, &b, reference.as_ref().unwrap_or(&b))?;
+    let comparison = compare(&a, &b, reference.as_ref().unwrap_or(&b)).map_err(with_name)?;
     Ok((comparison, difference(&a, &b)))
 }
 

@@ -283,7 +283,7 @@ fn pictures_that_cannot_be_compared() {
     fs::write(folder.path().join("broken.pfm"), "Pf\n9999999 9999999\n-1\n").unwrap();
     fs::write(folder.path().join("vast.exr"), vast_exr(folder.path())).unwrap();
     for (other, words) in [
-        ("b.png", "different sizes: 8 x 8 and 8 x 9"),
+        ("b.png", "a.png: the pictures have different sizes: 8 x 8 and 8 x 9"),
         ("absent.png", "absent.png: "),
         ("broken.png", "broken.png: "),
         ("broken.exr", "broken.exr: "),
