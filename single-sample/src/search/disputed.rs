@@ -190,7 +190,7 @@ impl Disputed {
             let (dx, dy) = (apart(x[i], r.u, HALF[0]), apart(y[i], r.v, HALF[1]));
             let steep = HALF[0] * slope_x[i].abs() + HALF[1] * slope_y[i].abs();
             let nearer = (high[i] + steep) - r.nearness;
-            let is_near = (nearer > 0.0) & seen.reaches(dx, dy, nearer);
+            let is_near = (nearer > 0.0) & seen.reaches(dx, dy, nearer, 0.0);
             let height = r.hn * if r.hn > 0.0 { high[i] } else { low[i] };
             let along = (r.hu * x[i], r.hv * y[i]);
             let tilt = HALF[0] * (r.hu + r.hn * slope_x[i]).abs()

@@ -116,16 +116,6 @@ fn add_up(sums: &[i32; LANES]) -> i32 {
     sums.iter().fold(0, |sum, part| sum.wrapping_add(*part))
 }
 
-/// The sum over whole groups of segments, for one receiver.
-#[inline(always)]
-pub(crate) fn total(receiver: &Seen, segments: &Segments, groups: Range<usize>) -> i32 {
-    let mut sums = [0_i32; LANES];
-    for group in groups {
-        add_group(&mut sums, receiver, segments, group);
-    }
-    add_up(&sums)
-}
-
 /// What segments contribute.
 pub(crate) struct Sum {
     pub total: i32,
@@ -143,7 +133,18 @@ pub(crate) struct Sought {
     pub widest: f32,
 }
 
+impl Sought {
+    /// Those that tell what there may be between pixels no farther apart than so many texels.
+    #[inline(always)]
+    pub fn between(texels: f32) -> Sought {
+        // What lies between two pixels is no farther from one of them than half of that.
+        Sought { around: texels * 0.5, widest: texels }
+    }
+}
+
 impl Sum {
+    pub const NONE: Sum = Sum { total: 0, disc: f32::INFINITY };
+
     #[inline(always)]
     pub fn add(&mut self, other: &Sum) {
         self.total = self.total.wrapping_add(other.total);
@@ -151,7 +152,23 @@ impl Sum {
     }
 }
 
-/// The sum over those groups that are in reach, of which the bounds must be known.
+/// The sum over whole groups of segments, for one receiver.
+#[inline(always)]
+pub(crate) fn sum(
+    receiver: &Seen,
+    sought: &Sought,
+    segments: &Segments,
+    groups: Range<usize>,
+) -> Sum {
+    let mut sums = [0_i32; LANES];
+    let mut nearness = [f32::INFINITY; LANES];
+    for group in groups {
+        add_group_around(&mut sums, &mut nearness, receiver, sought.around, segments, group);
+    }
+    Sum { total: add_up(&sums), disc: receiver.disc(least_of(nearness)) }
+}
+
+/// The same over those groups that are in reach, of which the bounds must be known.
 #[inline(always)]
 pub(crate) fn sum_in_reach(
     receiver: &Seen,

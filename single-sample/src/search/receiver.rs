@@ -215,11 +215,11 @@ impl Seen {
     }
 
     /// Whether what lies (dx, dy) texels away may hide part of the disc, with a nearness that is
-    /// greater than the receiver's by `nearer`.
+    /// greater than the receiver's by `nearer`, or would if it were `around` texels closer.
     #[inline(always)]
-    pub fn reaches(&self, dx: f32, dy: f32, nearer: f32) -> bool {
+    pub fn reaches(&self, dx: f32, dy: f32, nearer: f32, around: f32) -> bool {
         // A texel is ample room for rounding.
-        self.is_around(dx, dy, nearer, 1.0)
+        self.is_around(dx, dy, nearer, around + 1.0)
     }
 
     /// Whether it is no more than so many texels away from the disc.

@@ -74,13 +74,19 @@ impl Bounds {
     /// Whether the segments may reach into a receiver's disc.
     #[inline(always)]
     pub fn are_in_reach(&self, r: &Seen) -> bool {
+        self.are_around(r, 0.0)
+    }
+
+    /// Whether they may, or would if they were so many texels closer.
+    #[inline(always)]
+    pub fn are_around(&self, r: &Seen, texels: f32) -> bool {
         let apart = |at: f32, [low, high]: [f32; 2]| {
             let (before, after) = (low - at, at - high);
             let apart = if before > after { before } else { after };
             if apart > 0.0 { apart } else { 0.0 }
         };
         let (dx, dy) = (apart(r.u, self.u), apart(r.v, self.v));
-        r.reaches(dx, dy, self.nearness[1] - r.nearness)
+        r.reaches(dx, dy, self.nearness[1] - r.nearness, texels)
     }
 }
 

@@ -9,7 +9,7 @@ use super::cell::{CELL, CellBits, is_uniform};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
 use super::groups::Groups;
-use super::integral::{Sought, Sum, blocked_fraction, cell_of, hides_center, sum_in_reach, total};
+use super::integral::{Sought, Sum, blocked_fraction, cell_of, hides_center, sum, sum_in_reach};
 use super::kernels::{Ops, Work};
 use super::lanes::{Bits, rows_of_bits};
 use super::leaves::LeafTest;
@@ -118,6 +118,7 @@ impl<T: Texel> SearchTile<'_, T> {
         let Some(outline) = group else { return Sample::CLEAR };
         let receiver = self.receivers.get(pixel);
         let seen = Seen::of(self.geometry, &receiver);
+        let sought = Sought::between(outline.side * (self.grid.group as f32 / TILE as f32));
         if outline.is_cut || !outline.is_shared {
             let extent = Extent::of(&receiver);
             let size = [self.field.width, self.field.height];
@@ -125,18 +126,16 @@ impl<T: Texel> SearchTile<'_, T> {
             let Some(Reach { places, is_cut, .. }) = reach else { return Sample::CLEAR };
             self.counters.cut_by_border += u32::from(is_cut);
             if !outline.is_shared {
-                let (Sum { total, disc }, hidden) = self.own(ops, &receiver, &seen, places);
+                let (Sum { total, disc }, hidden) =
+                    self.own(ops, &receiver, &seen, &sought, places);
                 return Sample { blocked: blocked_fraction(hidden, total), disc };
             }
         }
         let [first, end] = outline.groups;
-        let longest = outline.side * (self.grid.group as f32 / TILE as f32);
-        // What lies between two pixels is no farther from one of them.
-        let sought = Sought { around: longest * 0.5, widest: longest };
         let mut sum = sum_in_reach(&seen, &sought, &self.outlines.segments, first..end);
         let mut hidden = None;
         if outline.disputed[0] < outline.disputed[1] {
-            let (own, hides) = self.disputed(ops, &outline, &receiver, &seen);
+            let (own, hides) = self.disputed(ops, &outline, &receiver, &seen, &sought);
             sum.add(&own);
             hidden = hides;
         }
@@ -159,11 +158,12 @@ impl<T: Texel> SearchTile<'_, T> {
         group: &Outline,
         receiver: &Receiver,
         seen: &Seen,
+        sought: &Sought,
     ) -> (Sum, Option<bool>) {
         let Outlines { disputed, segments, recent, room, .. } = &mut *self.outlines;
         let (test, extent) = (Test::of(receiver), Extent::of(receiver));
         let cell = cell_of(receiver.u, receiver.v);
-        let mut own = Own::behind(seen, segments, recent);
+        let mut own = Own::behind(seen, sought, segments, recent);
         let mut hidden = None;
         for lanes in group.disputed[0]..group.disputed[1] {
             let [mut leaves, close] = disputed.blocking(lanes, receiver, seen, self.field.contact);
@@ -197,6 +197,7 @@ impl<T: Texel> SearchTile<'_, T> {
         ops: &impl Ops,
         receiver: &Receiver,
         seen: &Seen,
+        sought: &Sought,
         places: Places,
     ) -> (Sum, bool) {
         let extent = Extent::of(receiver);
@@ -209,7 +210,7 @@ impl<T: Texel> SearchTile<'_, T> {
         let tests = [Test::of(receiver)];
         let cell = cell_of(receiver.u, receiver.v);
         let Outlines { segments, leaves, recent, room, .. } = &mut *self.outlines;
-        let mut own = Own::behind(seen, segments, recent);
+        let mut own = Own::behind(seen, sought, segments, recent);
         let mut hidden = None;
         for part in places.parts() {
             if !leaves.find(self.pyramid, &leaf_test, part) {
@@ -248,24 +249,29 @@ fn whole_part(number: f32, most: f32) -> u32 {
 /// A receiver's own outline, behind the shared one.
 struct Own<'a> {
     seen: &'a Seen,
+    sought: &'a Sought,
     segments: &'a mut Segments,
     recent: &'a mut Recent,
     /// Where it begins: at a whole group of lanes.
     start: usize,
     /// The sum over what there was no room to keep.
-    sum: i32,
-    /// The least nearness of what is in reach.
-    least: f32,
+    sum: Sum,
 }
 
 impl<'a> Own<'a> {
     #[inline(always)]
-    fn behind(seen: &'a Seen, segments: &'a mut Segments, recent: &'a mut Recent) -> Own<'a> {
+    fn behind(
+        seen: &'a Seen,
+        sought: &'a Sought,
+        segments: &'a mut Segments,
+        recent: &'a mut Recent,
+    ) -> Own<'a> {
         let start = segments.len();
-        Own { seen, segments, recent, start, sum: 0, least: f32::INFINITY }
+        Own { seen, sought, segments, recent, start, sum: Sum::NONE }
     }
 
-    /// Adds the outline in a cell if it is in reach, or `always`, and says which segments that are.
+    /// Adds the outline in a cell if it is in reach or around, or `always`, and says which segments that
+    /// are.
     #[inline(always)]
     fn add<T: Texel>(
         &mut self,
@@ -275,32 +281,28 @@ impl<'a> Own<'a> {
         always: bool,
     ) -> Range<usize> {
         if !self.segments.has_room(1) {
-            self.sum = self.total();
+            self.add_up();
         }
         let first = self.segments.len();
-        let (seen, least) = (self.seen, &mut self.least);
+        let (seen, around) = (self.seen, self.sought.around);
         self.recent.outline(field, at, bits, self.segments, |bounds| {
-            let is_in_reach = bounds.are_in_reach(seen);
-            *least = if is_in_reach { least.min(bounds.nearness[0]) } else { *least };
-            always | is_in_reach
+            always | bounds.are_around(seen, around)
         });
         first..self.segments.len()
     }
 
-    /// The sum over all segments, none of which are kept.
+    /// Adds up all segments, none of which are kept.
     #[inline(always)]
-    fn total(&mut self) -> i32 {
+    fn add_up(&mut self) {
         let groups = self.start / LANES..self.segments.pad();
-        let total = self.sum.wrapping_add(total(self.seen, self.segments, groups));
+        self.sum.add(&sum(self.seen, self.sought, self.segments, groups));
         self.segments.truncate(self.start);
-        total
     }
 
-    /// The same with the least disc, where that matters.
+    /// The sum over all of them.
     #[inline(always)]
     fn sum(mut self) -> Sum {
-        let total = self.total();
-        let disc = if total == 0 { f32::INFINITY } else { self.seen.disc(self.least) };
-        Sum { total, disc }
+        self.add_up();
+        self.sum
     }
 }
