@@ -200,7 +200,7 @@ impl Samples {
         let line = Curve::line(ends, length);
         let bend = self.values[middle] - line.at(half, length);
         let disc = least(least(self.discs[first], self.discs[middle]), self.discs[last]);
-        let room = Room::of(rule.distance(first, last) * 0.5, disc);
+        let room = rule.room_in_half(first, last, disc);
         if rule.fits(&ends, bend, room, length) && self.row_agrees(first, length, room) {
             let curve = line.bent(half, length, bend);
             self.interpolate([first, middle], [first, length], &curve, disc);
@@ -220,7 +220,7 @@ impl Samples {
         }
         let ends = [self.values[first], self.values[last]];
         let disc = least(self.discs[first], self.discs[last]);
-        let room = Room::of(rule.distance(first, last), disc);
+        let room = rule.room(first, last, disc);
         if rule.are_close(&ends, room) && self.row_agrees(first, length, room) {
             self.interpolate([first, last], [first, length], &Curve::line(ends, length), disc);
         } else {

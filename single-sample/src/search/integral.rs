@@ -21,6 +21,7 @@ use super::cell::CELL;
 use super::field::{Field, Texel};
 use super::lanes::{least, least_of};
 use super::receiver::{Receiver, Seen};
+use super::rule::WIDE;
 use super::segments::{LANES, Segment, Segments, Vertex};
 use crate::disc::angle;
 use crate::math::sqrt;
@@ -138,7 +139,7 @@ impl Sought {
     #[inline(always)]
     pub fn between(texels: f32) -> Sought {
         // What lies between two pixels is no farther from one of them than half of that.
-        Sought { around: texels * 0.5, widest: texels }
+        Sought { around: texels * 0.5, widest: texels * WIDE }
     }
 }
 

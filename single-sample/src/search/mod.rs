@@ -91,7 +91,7 @@ pub struct Parameters {
     pub radius: f32,
     /// Groups of `group + 1` pixels along every `group`-th row, and then along the columns between these
     /// rows, are interpolated where the pixels see one object and have one hard shadow test
-    /// result, or are all amid a penumbra wider than the group is long. The paper's is 4, begins with
+    /// result, or are all amid a penumbra far wider than the group is long. The paper's is 4, begins with
     /// columns, and knows no such penumbrae; 1 searches every pixel; at most 15.
     pub group: u32,
     /// The greatest difference of visibility between the ends of an interpolated group; and twice

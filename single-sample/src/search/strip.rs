@@ -4,7 +4,7 @@
 use super::adaptive::{COUNT, Samples, TILE};
 use super::curve::{Curve, Curves};
 use super::lanes::{Bits, bits, least};
-use super::rule::{Room, Rule};
+use super::rule::Rule;
 
 /// Groups from one row to another.
 #[derive(Clone, Copy)]
@@ -47,7 +47,7 @@ impl Samples {
             let bend = between[x] - line.at(half, length);
             curves.set(x, line.bent(half, length, bend));
             let disc = least(least(discs[0][x], discs[1][x]), discs[2][x]);
-            let room = Room::of(rule.distance(first * TILE + x, last * TILE + x) * 0.5, disc);
+            let room = rule.room_in_half(first * TILE + x, last * TILE + x, disc);
             fits[x] = u8::from(rule.fits(&ends, bend, room, length));
             within[x] = u8::from(room.is_within_penumbra);
         }
@@ -75,7 +75,7 @@ impl Samples {
             let ends = [start[x], stop[x]];
             curves.set(x, Curve::line(ends, length));
             let disc = least(discs[0][x], discs[1][x]);
-            let room = Room::of(rule.distance(first * TILE + x, last * TILE + x), disc);
+            let room = rule.room(first * TILE + x, last * TILE + x, disc);
             close[x] = u8::from(rule.are_close(&ends, room));
             within[x] = u8::from(room.is_within_penumbra);
         }
