@@ -156,7 +156,7 @@ pub fn visibility<V: Visibility>(
 }
 
 /// The visibility at pixel (x, y) without anything that makes it fast: no pyramid, no tiles, all
-/// of the map. What [`visibility`] gives for a `group` of 1, bit for bit.
+/// of the map. What [`visibility`] gives for a `group` of 1, bit for bit, for maps of finite nearness.
 ///
 /// # Panics
 ///
