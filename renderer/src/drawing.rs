@@ -48,8 +48,9 @@ impl Drawing {
             prepared,
             viewer,
             views,
+            payload,
             maps,
-            |rasterizer, mesh, mask, targets| match mask {
+            |rasterizer, mesh, mask, payload, targets| match mask {
                 Some(mask) => rasterizer.draw_masked(views, mesh, mask, payload, targets),
                 None => rasterizer.draw_many(views, mesh, payload, targets),
             },
@@ -71,11 +72,17 @@ impl Drawing {
             nodes.resize(Pyramid::storage_len(width, height), NodeGroup::default());
             LeafBands::new(width, height, rows, nodes, &mut []).expect("storage as long as asked")
         });
-        let payload = Payload::ObjectId;
-        self.with_mesh(prepared, Viewer::Light, views, maps, |rasterizer, mesh, mask, targets| {
-            let build = |band: DepthMap<'_>, leaves: LeafBands<'_>| leaves.build(level, band);
-            rasterizer.draw_in_bands(views, mesh, mask, payload, targets, rows, leaves, &build)
-        })
+        let build = |band: DepthMap<'_>, leaves: LeafBands<'_>| leaves.build(level, band);
+        self.with_mesh(
+            prepared,
+            Viewer::Light,
+            views,
+            Payload::ObjectId,
+            maps,
+            |rasterizer, mesh, mask, payload, targets| {
+                rasterizer.draw_in_bands(views, mesh, mask, payload, targets, rows, leaves, &build)
+            },
+        )
     }
 
     /// Lets `draw` draw what a viewer is shown, into maps of the views' sizes.
@@ -84,11 +91,13 @@ impl Drawing {
         prepared: &Prepared<'_>,
         viewer: Viewer,
         views: &[View],
+        payload: Payload,
         maps: &mut [DepthBuffer],
         draw: impl FnOnce(
             &mut Rasterizer,
             &Mesh<'_>,
             Option<&AlphaMask<'_>>,
+            Payload,
             &mut [Target<'_>],
         ) -> DrawStats,
     ) -> u64 {
@@ -98,21 +107,24 @@ impl Drawing {
             }
         }
         let mesh = prepared.scene().mesh.as_mesh();
-        let shown = match viewer {
-            Viewer::Camera => prepared
-                .front_faces(views, &mut self.triangles)
-                .map(|triangles| Mesh { triangles, ..mesh }),
-            Viewer::Light => {
-                // The alpha test goes by the place.
-                let keep_places = !prepared.masked().is_empty();
-                let (level, shown) = (self.level, &mut self.shown);
-                prepared.solids().nearest(level, &mesh, views, keep_places, shown)
-            }
+        let front = match viewer {
+            Viewer::Camera => prepared.front_faces(views, &mut self.triangles),
+            Viewer::Light => None,
         };
-        let mesh = shown.unwrap_or(mesh);
+        let (mesh, payload) = if let Some(triangles) = front {
+            (Mesh { triangles, ..mesh }, payload)
+        } else {
+            // The alpha test goes by the place.
+            let keep_places = !prepared.masked().is_empty();
+            let (level, shown) = (self.level, &mut self.shown);
+            let nearest =
+                prepared.solids().nearest(level, &mesh, views, payload, keep_places, shown);
+            nearest.map_or((mesh, payload), |nearest| (nearest, Payload::ObjectId))
+        };
         let mut targets: Vec<Target<'_>> = maps.iter_mut().map(DepthBuffer::target).collect();
         let rasterizer = &mut self.rasterizer;
-        let stats = prepared.with_alpha_mask(|mask| draw(rasterizer, &mesh, mask, &mut targets));
+        let stats =
+            prepared.with_alpha_mask(|mask| draw(rasterizer, &mesh, mask, payload, &mut targets));
         stats.drawn as u64
     }
 }

@@ -5,6 +5,7 @@ mod faces;
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
+use raster::Payload;
 use shadowmap_core::{Level, Mesh, View};
 
 use crate::prepared::corners;
@@ -90,13 +91,14 @@ impl Solids {
     }
 
     /// Those triangles of `mesh`, the scene's, that can be the nearest in one of `views`, listed in
-    /// `shown`; `None` if all can. If they are to `keep_places`, the others stay in the list and get
-    /// indices that no vertex has.
+    /// `shown` with their `payload` as object ID; `None` if all can. If they are to `keep_places`, the
+    /// others stay in the list and get indices that no vertex has.
     pub fn nearest<'t>(
         &self,
         level: Level,
         mesh: &Mesh<'t>,
         views: &[View],
+        payload: Payload,
         keep_places: bool,
         shown: &'t mut Shown,
     ) -> Option<Mesh<'t>> {
@@ -106,7 +108,7 @@ impl Solids {
             return None;
         }
         let eyes: Vec<[f32; 4]> = views.iter().map(View::eye).collect();
-        Some(self.faces.shown(level, &outside, &eyes, mesh, keep_places, shown))
+        Some(self.faces.shown(level, &outside, &eyes, mesh, payload, keep_places, shown))
     }
 }
 
@@ -215,7 +217,7 @@ mod tests {
     use crate::builtin;
     use crate::drawing::{Drawing, HIDDEN, Viewer};
     use crate::prepared::Prepared;
-    use raster::{DepthBuffer, Payload, Rasterizer};
+    use raster::{DepthBuffer, Rasterizer};
     use shadowmap_core::{Level, Threads};
 
     /// The unit cube around the origin, each side with its own corners.
@@ -244,7 +246,8 @@ mod tests {
         let (solids, mut shown) = (Solids::new(scene, masked), Shown::default());
         let mesh = scene.mesh.as_mesh();
         let [in_place, listed] = [true, false].map(|keep_places| {
-            let found = solids.nearest(Level::detect(), &mesh, views, keep_places, &mut shown);
+            let (level, payload) = (Level::detect(), Payload::ObjectId);
+            let found = solids.nearest(level, &mesh, views, payload, keep_places, &mut shown);
             let found = found.unwrap_or(mesh);
             assert_eq!(found.triangles.len(), found.ids.len());
             found.triangles.iter().filter(|&&triangle| triangle != HIDDEN).count()
@@ -295,19 +298,26 @@ mod tests {
             let prepared = Prepared::new(&scene);
             let eye = Vec3::new(1.5, 8.0, 1.5);
             let views = [View::perspective(eye, Vec3::ZERO, Vec3::X, 0.9, 256, 256, 0.5)];
-            let mut maps = [DepthBuffer::new(0, 0)];
-            let mut drawing = Drawing::new(Level::detect(), Threads::One);
-            let payload = Payload::ObjectId;
-            let drawn = drawing.draw(&prepared, Viewer::Light, &views, payload, &mut maps);
-            let mut whole = DepthBuffer::new(256, 256);
-            let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
-            let all = rasterizer.draw(&views[0], &scene.mesh.as_mesh(), payload, whole.target());
-            assert!(drawn * 10 < all.drawn as u64 * 7, "{name}: {drawn} of {}", all.drawn);
-            // Where a silhouette passes through a texel's centre, rounding decides.
-            let near = |(a, b): (&f32, &f32)| (a / b - 1.0).abs() < 1e-3 || a == b;
-            let pairs = maps[0].nearness.iter().zip(&whole.nearness);
-            let different = pairs.filter(|&pair| !near(pair)).count();
-            assert!(different <= 2, "{name}: {different} texels differ");
+            let both =
+                [(Viewer::Light, Payload::ObjectId), (Viewer::Camera, Payload::TriangleIndex)];
+            for (viewer, payload) in both {
+                let mut maps = [DepthBuffer::new(0, 0)];
+                let mut drawing = Drawing::new(Level::detect(), Threads::One);
+                let drawn = drawing.draw(&prepared, viewer, &views, payload, &mut maps);
+                let mut whole = DepthBuffer::new(256, 256);
+                let mut rasterizer = Rasterizer::new(Level::detect(), Threads::One);
+                let mesh = scene.mesh.as_mesh();
+                let all = rasterizer.draw(&views[0], &mesh, payload, whole.target());
+                assert!(drawn * 10 < all.drawn as u64 * 7, "{name}: {drawn} of {}", all.drawn);
+                // Where a silhouette passes through a texel's centre, rounding decides.
+                let near = |(a, b): (&f32, &f32)| (a / b - 1.0).abs() < 1e-3 || a == b;
+                let pairs = maps[0].nearness.iter().zip(&whole.nearness);
+                let different = pairs.filter(|&pair| !near(pair)).count();
+                assert!(different <= 2, "{name}: {different} texels differ");
+                let pairs = maps[0].payload.iter().zip(&whole.payload);
+                let different = pairs.filter(|(a, b)| a != b).count();
+                assert!(different <= 4, "{name}: {different} payloads differ");
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The triangles of closed surfaces, and those of them that a viewer sees from outside.
 
 use glam::Vec4;
+use raster::Payload;
 #[cfg(target_arch = "x86_64")]
 use shadowmap_core::LevelKind;
 use shadowmap_core::{Level, Mesh};
@@ -27,11 +28,11 @@ pub struct Faces {
 #[repr(align(64))]
 struct Planes([[f32; LANES]; 4]);
 
-/// Triangles that are drawn, with their object IDs. Reused between frames.
+/// Triangles that are drawn, with what stands for each in a map. Reused between frames.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     triangles: Vec<[u32; 3]>,
-    ids: Vec<u32>,
+    payloads: Vec<u32>,
 }
 
 impl Faces {
@@ -52,21 +53,23 @@ impl Faces {
 
     /// The triangles of `mesh`, the scene's, but for those of the solids that the `eyes`,
     /// homogeneous points, are `outside` of and that all of these see from behind. If they are to
-    /// `keep_places`, those get indices that no vertex has; else they are not listed.
+    /// `keep_places`, those get indices that no vertex has; else they are not listed. Object IDs of
+    /// the list are the `payload` that its triangles have in `mesh`.
     pub fn shown<'t>(
         &self,
         level: Level,
         outside: &[bool],
         eyes: &[[f32; 4]],
         mesh: &Mesh<'t>,
+        payload: Payload,
         keep_places: bool,
         shown: &'t mut Shown,
     ) -> Mesh<'t> {
         shown.triangles.resize(mesh.triangles.len(), HIDDEN);
-        shown.ids.resize(mesh.triangles.len(), 0);
-        let count = list(level, self, outside, eyes, mesh, keep_places, shown);
-        let Shown { triangles, ids } = shown;
-        Mesh { positions: mesh.positions, triangles: &triangles[..count], ids: &ids[..count] }
+        shown.payloads.resize(mesh.triangles.len(), 0);
+        let count = list(level, self, outside, eyes, mesh, payload, keep_places, shown);
+        let (triangles, ids) = (&shown.triangles[..count], &shown.payloads[..count]);
+        Mesh { positions: mesh.positions, triangles, ids }
     }
 }
 
@@ -79,6 +82,7 @@ levels!(
         outside: &[bool],
         eyes: &[[f32; 4]],
         mesh: &Mesh<'_>,
+        payload: Payload,
         keep_places: bool,
         shown: &mut Shown
     ) -> usize
@@ -90,12 +94,13 @@ fn list_body(
     outside: &[bool],
     eyes: &[[f32; 4]],
     mesh: &Mesh<'_>,
+    payload: Payload,
     keep_places: bool,
     shown: &mut Shown,
 ) -> usize {
     let outside_all = !outside.contains(&false);
     let farthest = eyes.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-    let (triangles, ids) = (&mut shown.triangles[..], &mut shown.ids[..]);
+    let (triangles, payloads) = (&mut shown.triangles[..], &mut shown.payloads[..]);
     let mut count = 0;
     let blocks = mesh.triangles.chunks(LANES).zip(&faces.planes);
     for (first, (block, planes)) in (0..).step_by(LANES).zip(blocks) {
@@ -108,7 +113,10 @@ fn list_body(
         for (lane, (triangle, hidden)) in block.iter().zip(hidden).enumerate() {
             // Written in any case and overwritten by the next one, which is faster than to decide.
             triangles[count] = *triangle;
-            ids[count] = mesh.ids.get(first + lane).copied().unwrap_or(0);
+            payloads[count] = match payload {
+                Payload::ObjectId => mesh.ids.get(first + lane).copied().unwrap_or(0),
+                Payload::TriangleIndex => (first + lane) as u32 + 1,
+            };
             if keep_places && hidden {
                 triangles[count] = HIDDEN;
             }
