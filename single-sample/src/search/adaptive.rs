@@ -7,10 +7,13 @@
 //! Unlike in the paper, not only objects and hard shadow test results of a group's pixels decide whether
 //! it is interpolated, but also the values ([`super::rule`]).
 
+#[cfg(test)]
+mod tests;
+
 use super::curve::Curve;
 use super::lanes::{Bits, least, rows_of_bits};
 use super::list::List;
-use super::rule::{Room, Rule};
+use super::rule::{Beyond, Room, Rule};
 use super::soa::Receivers;
 use super::strip::Strip;
 
@@ -61,8 +64,18 @@ pub(crate) struct Keys<'a> {
 struct Group {
     first: u8,
     last: u8,
-    /// Whether the one in the middle is, too.
+    /// A known one in the same row before or after these; if there is none, the first.
+    outer: u8,
+    /// Whether the one in the middle is known, too.
     is_halved: bool,
+}
+
+impl Group {
+    #[inline(always)]
+    fn new(pixels: [usize; 3]) -> Group {
+        let [first, last, outer] = pixels.map(|pixel| pixel as u8);
+        Group { first, last, outer, is_halved: false }
+    }
 }
 
 /// When pixels between two others are interpolated.
@@ -78,11 +91,17 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The first and the last of each group from `first` to `last`.
+    /// The first and the last of each group from `first` to `last`, and another group's end; if there is
+    /// no other, the first.
     #[inline(always)]
-    fn groups(&self, first: usize, last: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+    fn groups(&self, first: usize, last: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
         let group = self.group;
-        (first..last).step_by(group).map(move |start| [start, (start + group).min(last)])
+        (first..last).step_by(group).map(move |start| {
+            let end = (start + group).min(last);
+            let next = (end + group).min(last);
+            let outer = if start > first { start - group } else { next };
+            [start, end, if outer == end { start } else { outer }]
+        })
     }
 }
 
@@ -96,7 +115,7 @@ impl Samples {
             wanted: List::new(0),
             same_object: [[0; TILE]; 2],
             same_hard: [[0; TILE]; 2],
-            groups: List::new(Group { first: 0, last: 0, is_halved: false }),
+            groups: List::new(Group { first: 0, last: 0, outer: 0, is_halved: false }),
             groups_done: 0,
             strips: List::new(Strip::NONE),
             strips_done: 0,
@@ -124,10 +143,10 @@ impl Samples {
         (self.groups_done, self.strips_done) = (0, 0);
         let last = grid.width - 1;
         self.ask_row(grid, 0, [0, last]);
-        for [first_row, last_row] in grid.groups(0, grid.height - 1) {
-            self.ask_row(grid, last_row, [0, last]);
+        for rows in grid.groups(0, grid.height - 1) {
+            self.ask_row(grid, rows[1], [0, last]);
             let columns = u16::MAX >> (TILE - grid.width);
-            self.strips.push(Strip::new([first_row, last_row], columns));
+            self.strips.push(Strip::new(rows, columns));
         }
     }
 
@@ -180,18 +199,18 @@ impl Samples {
     fn ask_row(&mut self, grid: &Grid, y: usize, [first, last]: [usize; 2]) {
         let row = y * TILE;
         self.want(row + first);
-        for [first, last] in grid.groups(row + first, row + last) {
-            self.want(last);
-            self.groups.push(Group { first: first as u8, last: last as u8, is_halved: false });
+        for ends in grid.groups(row + first, row + last) {
+            self.want(ends[1]);
+            self.groups.push(Group::new(ends));
         }
     }
 
     /// Interpolates a group or asks for its middle; once that is known, looks at both halves.
     #[inline(always)]
     fn settle(&mut self, group: Group, rule: &Rule<'_>) {
-        let (first, last) = (usize::from(group.first), usize::from(group.last));
+        let [first, last, outer] = [group.first, group.last, group.outer].map(usize::from);
         if !group.is_halved {
-            return self.halve(first, last, rule);
+            return self.halve([first, last, outer], rule);
         }
         let length = last - first;
         let half = length / 2;
@@ -206,14 +225,14 @@ impl Samples {
             self.interpolate([first, middle], [first, length], &curve, disc);
             self.interpolate([middle, last], [first, length], &curve, disc);
         } else {
-            self.halve(first, middle, rule);
-            self.halve(middle, last, rule);
+            self.halve([first, middle, last], rule);
+            self.halve([middle, last, first], rule);
         }
     }
 
     /// Interpolates a group whose ends are close, or asks for its middle.
     #[inline(always)]
-    fn halve(&mut self, first: usize, last: usize, rule: &Rule<'_>) {
+    fn halve(&mut self, [first, last, outer]: [usize; 3], rule: &Rule<'_>) {
         let length = last - first;
         if length <= 1 {
             return;
@@ -221,12 +240,17 @@ impl Samples {
         let ends = [self.values[first], self.values[last]];
         let disc = least(self.discs[first], self.discs[last]);
         let room = rule.room(first, last, disc);
-        if rule.are_close(&ends, room) && self.row_agrees(first, length, room) {
+        let is_flat = || {
+            let (from, to) = (first.min(outer), last.max(outer));
+            !self.row_agrees(from, to - from, room)
+                || rule.is_flat(&ends, self.values[outer], Beyond::of(first, last, outer))
+        };
+        if rule.are_close(&ends, room) && self.row_agrees(first, length, room) && is_flat() {
             self.interpolate([first, last], [first, length], &Curve::line(ends, length), disc);
         } else {
             self.want(first + length / 2);
             if length > 2 {
-                self.groups.push(Group { first: first as u8, last: last as u8, is_halved: true });
+                self.groups.push(Group { is_halved: true, ..Group::new([first, last, outer]) });
             }
         }
     }
@@ -285,101 +309,6 @@ impl Samples {
         if self.needed[pixel / TILE] & bit != 0 {
             self.searched[pixel / TILE] |= bit;
             self.wanted.push(pixel as u8);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Samples `blocked(x, y)` from pixels a texel apart, where discs have a radius of `disc` texels.
-    /// Returns the values and how many were searched.
-    fn sample(
-        grid: &Grid,
-        disc: f32,
-        object: impl Fn(usize, usize) -> u32,
-        hard: Bits,
-        blocked: impl Fn(f32, f32) -> f32,
-    ) -> ([f32; COUNT], usize) {
-        let mut samples = Samples::new();
-        let mut receivers = Receivers::new();
-        let (mut objects, mut needed) = ([0; COUNT], [0; TILE]);
-        for i in 0..COUNT {
-            let (x, y) = (i % TILE, i / TILE);
-            (receivers.u[i], receivers.v[i]) = (x as f32, y as f32);
-            objects[i] = object(x, y);
-            needed[y] |= u16::from(x < grid.width && y < grid.height) << x;
-        }
-        let mut searched = 0;
-        samples.begin(grid, &Keys { objects: &objects, hard, needed });
-        loop {
-            for i in 0..samples.wanted().len() {
-                let pixel = usize::from(samples.wanted()[i]);
-                let (x, y) = (pixel % TILE, pixel / TILE);
-                samples.values[pixel] = blocked(x as f32, y as f32);
-                samples.discs[pixel] = disc;
-                searched += 1;
-            }
-            if !samples.refine(grid, &receivers) {
-                let bits = samples.searched.iter().map(|row| row.count_ones() as usize);
-                assert_eq!(bits.sum::<usize>(), searched, "no pixel is searched twice");
-                return (samples.values, searched);
-            }
-        }
-    }
-
-    /// No pixel is in shadow by the hard shadow test.
-    const LIT: Bits = [0; TILE];
-
-    const GRID: Grid = Grid { width: TILE, height: TILE, group: 8, tolerance: 0.02 };
-
-    #[test]
-    fn a_parabola_is_interpolated_exactly() {
-        let blocked = |x: f32, y: f32| 0.2 + 0.01 * x + 0.0003 * (x * x) + 0.02 * y;
-        let (values, searched) = sample(&GRID, 100.0, |_, _| 7, LIT, blocked);
-        for i in 0..COUNT {
-            let exact = blocked((i % TILE) as f32, (i / TILE) as f32);
-            assert!((values[i] - exact).abs() < 1e-6, "{i}: {} for {exact}", values[i]);
-        }
-        assert!(searched < COUNT / 8, "{searched} searches");
-    }
-
-    #[test]
-    fn every_pixel_is_searched_with_groups_of_one_or_objects_of_their_own() {
-        let blocked = |x: f32, y: f32| (x * 0.37 + y * 0.11).fract();
-        for (group, own) in [(1, false), (8, true), (15, true)] {
-            let grid = Grid { width: 13, height: 7, group, ..GRID };
-            let object = |x: usize, y: usize| if own { (y * TILE + x) as u32 } else { u32::MAX };
-            let (values, searched) = sample(&grid, 100.0, object, LIT, blocked);
-            assert_eq!(searched, 13 * 7);
-            for (x, y) in (0..7).flat_map(|y| (0..13).map(move |x| (x, y))) {
-                assert_eq!(values[y * TILE + x], blocked(x as f32, y as f32));
-            }
-        }
-    }
-
-    #[test]
-    fn a_stripe_narrower_than_a_group_is_found_if_discs_are_narrow() {
-        let stripe = |at: f32| if (at - 5.5).abs() < 2.0 { 1.0 } else { 0.0 };
-        for across in [true, false] {
-            let blocked = |x: f32, y: f32| stripe(if across { x } else { y });
-            let (values, _) = sample(&GRID, 1.0, |_, _| 1, LIT, blocked);
-            let found = values.iter().filter(|&&value| value > 0.5).count();
-            assert_eq!(found, 4 * TILE);
-            let (values, _) = sample(&GRID, 20.0, |_, _| 1, LIT, blocked);
-            assert!(values.iter().all(|value| (0.0..=1.0).contains(value)));
-        }
-    }
-
-    #[test]
-    fn a_hard_edge_is_searched_for_unless_it_is_in_a_penumbra() {
-        // All ends of groups are lit, and what blocks pixels 3 to 5 of a row is not in their reach.
-        let spot = |x: f32, _: f32| if (3.0..=5.0).contains(&x) { 0.5 } else { 0.0 };
-        let hard = [0b11_1000; TILE];
-        for (disc, found) in [(f32::INFINITY, 3 * TILE), (1.0, 3 * TILE), (100.0, 0)] {
-            let (values, _) = sample(&GRID, disc, |_, _| 1, hard, spot);
-            assert_eq!(values.iter().filter(|&&value| value > 0.0).count(), found, "{disc}");
         }
     }
 }

@@ -4,9 +4,10 @@
 //! lies within a penumbra: blockers are in reach, and discs are wide for its length.
 //!
 //! A group whose ends are close needs no look at its middle if its ends' discs are far wider than it is
-//! long: what blocks between them hides as much of theirs. Others do, and are interpolated if a
-//! straight line comes close to it; the interpolation goes through it. But if all three are close, no
-//! penumbra may fit between them, unless the group is short.
+//! long: what blocks between them hides as much of theirs. And if a parabola through them and the next
+//! known pixel is flat there: a ridge may lie between two penumbrae. Others do, and are interpolated if
+//! a straight line comes close to it; the interpolation goes through it. But if all three are close,
+//! no penumbra may fit between them, unless the group is short.
 
 use super::soa::Receivers;
 use crate::math::sqrt;
@@ -64,9 +65,42 @@ impl Rule<'_> {
         is_straight & (room.is_full | (length <= SHORT) | !self.is_level(ends))
     }
 
+    /// Whether a parabola through a group's ends and the `outer` pixel is flat in between.
+    #[inline(always)]
+    pub fn is_flat(&self, ends: &[f32; 2], outer: f32, beyond: Beyond) -> bool {
+        let Beyond { is_before, length, bend } = beyond;
+        let [near, far] = if is_before { *ends } else { [ends[1], ends[0]] };
+        let rise = (outer - near) * length - (near - far);
+        rise.abs() * bend <= self.tolerance * BEND
+    }
+
     #[inline(always)]
     fn is_level(&self, ends: &[f32; 2]) -> bool {
         (ends[1] - ends[0]).abs() <= self.tolerance
+    }
+}
+
+/// Where a pixel beyond a group is.
+#[derive(Clone, Copy)]
+pub(crate) struct Beyond {
+    is_before: bool,
+    /// The length of the group, in ways from that pixel to the nearer end.
+    length: f32,
+    /// What a parabola through the three is off a straight line in the middle of the group, relative to
+    /// how much more it would rise along a group there than along this one.
+    bend: f32,
+}
+
+impl Beyond {
+    /// That of `outer`; if that is `first`, there is none.
+    #[inline(always)]
+    pub fn of(first: usize, last: usize, outer: usize) -> Beyond {
+        let (is_before, length) = (outer < first, (last - first) as f32);
+        if outer == first {
+            return Beyond { is_before, length, bend: 0.0 };
+        }
+        let way = if is_before { first - outer } else { outer - last } as f32;
+        Beyond { is_before, length: length / way, bend: 0.25 * length / (length + way) }
     }
 }
 

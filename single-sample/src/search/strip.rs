@@ -4,13 +4,15 @@
 use super::adaptive::{COUNT, Samples, TILE};
 use super::curve::{Curve, Curves};
 use super::lanes::{Bits, bits, least};
-use super::rule::Rule;
+use super::rule::{Beyond, Rule};
 
 /// Groups from one row to another.
 #[derive(Clone, Copy)]
 pub(crate) struct Strip {
     first_row: u8,
     last_row: u8,
+    /// A row before or after these that is known in all columns; if there is none, the first.
+    outer_row: u8,
     /// Whether the row in the middle is known in all columns, too.
     is_halved: bool,
     /// Bit x: whether there is a group in column x.
@@ -18,11 +20,13 @@ pub(crate) struct Strip {
 }
 
 impl Strip {
-    pub const NONE: Strip = Strip { first_row: 0, last_row: 0, is_halved: false, columns: 0 };
+    pub const NONE: Strip =
+        Strip { first_row: 0, last_row: 0, outer_row: 0, is_halved: false, columns: 0 };
 
     #[inline(always)]
-    pub fn new([first, last]: [usize; 2], columns: u16) -> Strip {
-        Strip { first_row: first as u8, last_row: last as u8, is_halved: false, columns }
+    pub fn new(rows: [usize; 3], columns: u16) -> Strip {
+        let [first_row, last_row, outer_row] = rows.map(|row| row as u8);
+        Strip { first_row, last_row, outer_row, is_halved: false, columns }
     }
 }
 
@@ -31,9 +35,10 @@ impl Samples {
     /// both halves.
     #[inline(always)]
     pub fn settle_strip(&mut self, strip: Strip, rule: &Rule<'_>) {
-        let (first, last) = (usize::from(strip.first_row), usize::from(strip.last_row));
+        let rows = [strip.first_row, strip.last_row, strip.outer_row].map(usize::from);
+        let [first, last, _] = rows;
         if !strip.is_halved {
-            return self.halve_strip([first, last], strip.columns, rule);
+            return self.halve_strip(rows, strip.columns, rule);
         }
         let length = last - first;
         let half = length / 2;
@@ -56,35 +61,42 @@ impl Samples {
         self.interpolate_strip([first, middle], [first, length], fitting, &curves);
         self.interpolate_strip([middle, last], [first, length], fitting, &curves);
         let others = strip.columns & !fitting;
-        self.halve_strip([first, middle], others, rule);
-        self.halve_strip([middle, last], others, rule);
+        self.halve_strip([first, middle, last], others, rule);
+        self.halve_strip([middle, last, first], others, rule);
     }
 
     /// Interpolates the groups in some columns whose ends are close, and asks for the middles of the
     /// others.
     #[inline(always)]
-    fn halve_strip(&mut self, [first, last]: [usize; 2], columns: u16, rule: &Rule<'_>) {
+    fn halve_strip(&mut self, [first, last, outer]: [usize; 3], columns: u16, rule: &Rule<'_>) {
         let length = last - first;
         if length <= 1 || columns == 0 {
             return;
         }
         let [start, stop] = [first, last].map(|y| row(&self.values, y));
         let discs = [first, last].map(|y| row(&self.discs, y));
-        let (mut curves, mut close, mut within) = (Curves::FLAT, [0; TILE], [0; TILE]);
+        let (outer_row, beyond) = (row(&self.values, outer), Beyond::of(first, last, outer));
+        let (mut curves, mut flat) = (Curves::FLAT, [0; TILE]);
+        let (mut close, mut within) = ([0; TILE], [0; TILE]);
         for x in 0..TILE {
             let ends = [start[x], stop[x]];
             curves.set(x, Curve::line(ends, length));
             let disc = least(discs[0][x], discs[1][x]);
             let room = rule.room(first * TILE + x, last * TILE + x, disc);
             close[x] = u8::from(rule.are_close(&ends, room));
+            flat[x] = u8::from(rule.is_flat(&ends, outer_row[x], beyond));
             within[x] = u8::from(room.is_within_penumbra);
         }
-        let close = columns & bits(&close) & self.columns_agree(first, last, bits(&within));
+        let within = bits(&within);
+        // What another object is like out there tells nothing.
+        let flat = bits(&flat) | !self.columns_agree(first.min(outer), last.max(outer), within);
+        let agree = self.columns_agree(first, last, within);
+        let close = columns & bits(&close) & flat & agree;
         self.interpolate_strip([first, last], [first, length], close, &curves);
         let others = columns & !close;
         self.asked[first + length / 2] |= others;
         if length > 2 && others != 0 {
-            self.strips.push(Strip { is_halved: true, ..Strip::new([first, last], others) });
+            self.strips.push(Strip { is_halved: true, ..Strip::new([first, last, outer], others) });
         }
     }
 
