@@ -37,8 +37,8 @@ impl Pyramid<'_> {
     /// apart, those on one plane, eight or more, go together, and then the rest. Otherwise up to 16 of
     /// them that lie within 24 texels of the first try again, and so do the others; of those that
     /// still differ each searches for itself, with the hit of the one before (of the same side) as
-    /// its hint unless it brings its own. Best are blocks of 8 x 8 pixels in Morton order, in which 16 in sequence are neighbours
-    /// as well. Takes 10 KiB of stack.
+    /// its hint unless it brings its own. Best are blocks of 8 x 8 pixels in Morton order, in which
+    /// 16 in sequence are neighbours as well. Takes 10 KiB of stack.
     ///
     /// # Panics
     ///

@@ -89,16 +89,16 @@ pub struct Parameters {
     /// an orthographic view the tangent of half the light's angular diameter. 0 gives hard shadows,
     /// smoothed over a texel; the sign does not matter, and NaN counts as 0.
     pub radius: f32,
-    /// Groups of `group + 1` pixels along every `group`-th row, and then along the columns between these
-    /// rows, are interpolated where the pixels see one object and have one hard shadow test
-    /// result, or are all amid a penumbra far wider than the group is long. The paper's is 4, begins with
-    /// columns, and knows no such penumbrae; 1 searches every pixel; at most 15.
+    /// Groups of `group + 1` pixels along every `group`-th row, and then along the columns between
+    /// these rows, are interpolated where the pixels see one object and have one hard shadow test
+    /// result, or are all amid a penumbra far wider than the group is long. The paper's is 4, begins
+    /// with columns, and knows no such penumbrae; 1 searches every pixel; at most 15.
     pub group: u32,
     /// The greatest difference of visibility between the ends of an interpolated group; and twice
     /// what its middle, once searched, may be off a straight line for all of it to be interpolated
     /// nevertheless, on a parabola. The paper has no such limit: 1. Where blockers are so close that
-    /// a penumbra is narrower than a group of pixels that are all lit or all dark, its middle is
-    /// searched whatever the ends are.
+    /// the light's disc is not far wider than a group, or the next known pixel tells that it is bent,
+    /// its middle is searched whatever the ends are.
     pub tolerance: f32,
     /// Tolerance of the depth comparisons.
     pub bias: Bias,

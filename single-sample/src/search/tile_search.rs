@@ -270,8 +270,8 @@ impl<'a> Own<'a> {
         Own { seen, sought, segments, recent, start, sum: Sum::NONE }
     }
 
-    /// Adds the outline in a cell if it is in reach or around, or `always`, and says which segments that
-    /// are.
+    /// Adds the outline in a cell if it is in reach or around, or `always`, and says which segments
+    /// that are.
     #[inline(always)]
     fn add<T: Texel>(
         &mut self,
