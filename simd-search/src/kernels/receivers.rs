@@ -150,7 +150,9 @@ fn by_bounds<V: Vectors>(v: V, node: &Node, own: &Own<V::F>, lit: bool) -> u32 {
     let dy = gap(v, v.all(top), v.all(bottom), own.v, own.v);
     let distance = v.add(v.mul(dx, dx), v.mul(dy, dy));
     let near = bits(v, v.at_most(distance, own.distance), 0);
-
+    if near == 0 {
+        return 0;
+    }
     let from_u = v.sub(v.all((left + right) * 0.5), own.u);
     let from_v = v.sub(v.all((top + bottom) * 0.5), own.v);
     let rise = v.add(v.mul(own.slope[0], from_u), v.mul(own.slope[1], from_v));
