@@ -221,10 +221,12 @@ impl Bench {
     }
 
     /// Times the variants of a group in turn. What they compute must have been checked before.
-    pub fn compare(&mut self, mut group: Group<'_>) {
+    /// Returns the median of each one's time relative to the first.
+    pub fn compare(&mut self, mut group: Group<'_>) -> Vec<f64> {
         self.progress.begin(&format!("{} {}", self.part, group.name));
         let budget = Duration::from_millis(if self.quick { 1000 } else { 2500 });
         let rounds = rounds(&mut group.variants, budget);
+        let ratio = |times: &Vec<f64>| quantile(&ratios(times, &rounds[0]), 0.5);
         for (variant, times) in group.variants.iter().zip(&rounds) {
             self.results.records.push(Record {
                 part: self.part.clone(),
@@ -233,7 +235,7 @@ impl Bench {
                 x: group.x.map(|(quantity, value)| (quantity.to_owned(), value)),
                 median_ms: quantile(times, 0.5) * 1e3,
                 quartiles_ms: [0.25, 0.75].map(|q| quantile(times, q) * 1e3),
-                ratio: quantile(&ratios(times, &rounds[0]), 0.5),
+                ratio: ratio(times),
                 rounds: times.len(),
                 work: group.work.map(|(count, unit)| (count, unit.to_owned())),
                 threads: if variant.threads == Threads::One { 1 } else { 2 },
@@ -241,6 +243,7 @@ impl Bench {
             });
         }
         self.progress.end();
+        rounds.iter().map(ratio).collect()
     }
 
     /// The results.

@@ -21,8 +21,8 @@ const LIGHT_RADIUS: f32 = 0.4;
 /// Operations that compare a texel with the receiver's plane: the texel's distance, times the
 /// slope, plus the row's nearness, and the comparison.
 const PER_TEXEL: f64 = 4.0;
-/// The side of the map that all receivers search.
-const GROWTH: u32 = 1024;
+/// The side of the map that is searched through the light's window, too.
+const WINDOWED: u32 = 1024;
 
 /// The cases of this part.
 pub fn cases(quick: bool) -> Vec<Case> {
@@ -34,8 +34,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for name in ["torus", "crowded"] {
         for &size in sizes {
-            let all_receivers = if size == GROWTH { radii.len() + 1 } else { 0 };
-            let comparisons = 1 + radii.len() + all_receivers;
+            let comparisons = 2 + radii.len() + usize::from(size == WINDOWED);
             cases.push(Case::new(comparisons, move |bench| one_map(bench, name, size, radii)));
         }
     }
@@ -65,11 +64,10 @@ fn one_map(bench: &mut Bench, name: &str, size: u32, radii: &[u32]) {
         &["radius", "texels of the window", "compared in it", "with the pyramid", "and nodes"],
         visits,
     );
-    if size == GROWTH {
-        let all = if bench.quick() { 20_000 } else { usize::MAX };
-        for &radius in radii {
-            search.growth(bench, name, radius, &lit.blocks(all, |_| radius as f32));
-        }
+    let all = if bench.quick() { 20_000 } else { usize::MAX };
+    let all_blocks = radii.iter().map(|&radius| (radius, lit.blocks(all, |_| radius as f32)));
+    search.growth(bench, format!("{name} {size}"), &all_blocks.collect::<Vec<_>>());
+    if size == WINDOWED {
         search.window_of_the_light(bench, name, &lit, all);
     }
 }
@@ -248,18 +246,30 @@ impl Searched<'_> {
         ]
     }
 
-    /// The default path alone, from all receivers.
-    fn growth(&self, bench: &mut Bench, scene: &str, radius: u32, blocks: &[Block]) {
+    /// The default path alone, from all receivers, with one radius after the other in turn.
+    fn growth(&self, bench: &mut Bench, map: String, all: &[(u32, Vec<Block>)]) {
         let level = Level::detect();
-        let expected = all_of(|take| self.in_box(level, blocks, take));
-        let found = all_of(|take| self.in_pyramid(level, blocks, take));
-        assert!(found == expected, "{scene}, radius {radius}: the pyramid differs from the box");
-        bench.compare(Group {
-            name: format!("growth with radius, {scene} 1024: {radius}"),
-            x: Some(radius_of(radius)),
-            work: Some((expected.len() as f64, "queries")),
-            variants: vec![Variant::new("pyramid", || self.in_pyramid(level, blocks, ignore))],
+        let mut queries = 0;
+        let mut variants = Vec::new();
+        for (radius, blocks) in all {
+            let expected = all_of(|take| self.in_box(level, blocks, take));
+            let found = all_of(|take| self.in_pyramid(level, blocks, take));
+            assert!(found == expected, "{map}, radius {radius}: the pyramid differs from the box");
+            queries = expected.len();
+            let run = || self.in_pyramid(level, blocks, ignore);
+            variants.push(Variant::new(format!("radius {radius}"), run));
+        }
+        let work = Some((queries as f64, "queries"));
+        let name = format!("growth with radius, {map}");
+        let ratios = bench.compare(Group { name, x: None, work, variants });
+        let steps = all.windows(2).zip(ratios.windows(2)).map(|(radii, ratios)| {
+            let ([(from, _), (to, _)], [before, after]) = (radii, ratios) else { unreachable!() };
+            let doublings = (f64::from(*to) / f64::from(*from)).log2();
+            let step = (after / before).powf(1.0 / doublings);
+            vec![format!("{from} to {to}"), format!("{step:.2}")]
         });
+        let title = format!("What doubling the radius costs, {map}");
+        bench.table(title, &["radius", "times the time, per doubling"], steps.collect());
     }
 
     /// The search as the paper has it for a light of [`LIGHT_RADIUS`]: each receiver looks as far
