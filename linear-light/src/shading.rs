@@ -110,8 +110,7 @@ impl<'a> SkinShadow<'a> {
     /// at [`SkinShadow::position`] of k. Arguments and result as in [`SkinShadow::visibility`],
     /// which is the sum of V_k.
     pub fn light(&self, position: Vec3, normal: Vec3, add: impl FnMut(usize, f32)) -> f32 {
-        let plane = Plane([normal.x, normal.y, normal.z, -normal.dot(position)]);
-        let surface = self.surface(plane, 1.0);
+        let surface = self.surface(Plane::through(position, normal), 1.0);
         let Some(above) = surface.above else { return 0.0 };
         let point = surface.point(self.views()[0].texel_from_world(position));
         let receiver = Receiver { point, position, plane: &surface.plane, above };

@@ -3,8 +3,10 @@
 #[cfg(feature = "rayon")]
 use std::sync::{Mutex, PoisonError};
 
-/// How bands are run.
+/// How bands are run. The default is the pool where the feature `rayon` is on, which another crate
+/// may have done: whoever means one thread says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Threads {
     /// One after another on the calling thread.
     #[cfg_attr(not(feature = "rayon"), default)]

@@ -101,9 +101,8 @@ impl Camera<'_> {
                 table.get(index).copied().unwrap_or(Surface::UNKNOWN)
             }
         };
-        let n = surface.normal;
         let position = self.view().world_from_texel(x as f32 + 0.5, y as f32 + 0.5, nearness);
-        (surface.id, Plane([n.x, n.y, n.z, -n.dot(position)]))
+        (surface.id, Plane::through(position, surface.normal))
     }
 }
 

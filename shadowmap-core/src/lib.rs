@@ -34,7 +34,6 @@
 //! | `libm` | no | mathematics for targets without `std`; one of the two is needed |
 //! | `rayon` | no | bands run on rayon's thread pool |
 #![no_std]
-#![forbid(unsafe_op_in_unsafe_fn)]
 #![deny(unsafe_code)]
 
 #[cfg(feature = "std")]

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::{Bias, DepthMap, View};
+use crate::{Bias, DepthMap, Plane, View};
 
 /// A receiver in a light's texel space: where it lies in the map, and its tangent plane there.
 ///
@@ -43,14 +43,7 @@ impl View {
     #[must_use]
     pub fn light_point(&self, position: Vec3, normal: Vec3) -> Option<LightPoint> {
         let seen = self.texel_from_world(position)?;
-        // The plane normal . X = d as a homogeneous row, pulled back to texel space:
-        // a u + b v + c n + e = 0, so n falls by a / c per texel of u.
-        let d = normal.dot(position);
-        let [x, y, z, w] = self.inverse_rows();
-        let pull = |i: usize| normal.x * x[i] + normal.y * y[i] + normal.z * z[i] - d * w[i];
-        let c = pull(2);
-        let slope = Vec2::new(-pull(0) / c, -pull(1) / c);
-        let slope = if slope.is_finite() { slope } else { Vec2::ZERO };
+        let slope = Plane::through(position, normal).slope_in(self);
         Some(LightPoint { u: seen.x, v: seen.y, nearness: seen.z, slope })
     }
 }

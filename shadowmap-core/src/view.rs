@@ -62,8 +62,10 @@ pub struct View {
 }
 
 impl View {
-    /// A pin-hole camera with a square texel and a centred window, `vertical_fov` in radians.
-    /// Geometry nearer than `near` metres (along the view axis) is not seen.
+    /// A pin-hole camera with a square texel and a centred window, `vertical_fov` in radians, between
+    /// 0 and pi. Geometry nearer than `near` metres (along the view axis), which must be positive, is
+    /// not seen. Out of these ranges, as with a size of 0 or numbers that are not finite, nothing
+    /// panics, but what the view maps to means nothing.
     ///
     /// ```
     /// use glam::Vec3;
@@ -91,7 +93,7 @@ impl View {
     }
 
     /// A perspective view through any window. `axes` are the unit vectors right, down and forward
-    /// of the view, as [`View::axes_towards`] makes them.
+    /// of the view, as [`View::axes_towards`] makes them; `near` is as in [`View::perspective`].
     #[must_use]
     pub fn perspective_window(
         eye: Vec3,
@@ -125,8 +127,8 @@ impl View {
         View::new(Projection::Perspective, eyes, axes, window, width, height, [near, 0.0])
     }
 
-    /// An orthographic view of what lies between the depths `near` and `far`, measured from `eye`
-    /// along the view axis (either may be negative).
+    /// An orthographic view of what lies between the depths `near` and `far`, in metres from `eye`
+    /// along the view axis (either may be negative, `far` must be the greater).
     #[must_use]
     pub fn orthographic_window(
         eye: Vec3,
@@ -234,7 +236,7 @@ impl View {
         } else {
             (row_z.truncate() * (ndc_far - ndc_near).signum()).normalize_or_zero()
         };
-        // Normalized depth is a - b n (perspective) or affine in z (orthographic).
+        // Normalized depth is affine in nearness: in 1 / z (perspective) or in z (orthographic).
         let depth_scale = row_z.truncate().length() / scale;
         let (n, max_nearness) = if perspective {
             // z_clip = a w + b  =>  ndc = a + b n with n = 1 / depth.
@@ -256,12 +258,11 @@ impl View {
         // The eye is the point with N-axis direction: texel space (0, 0, 1, 0) in both cases.
         let eye = inverse.z_axis;
         let eye = if perspective { eye / eye.w } else { (-forward).extend(0.0) };
-        let right = (u.truncate() - forward * u.truncate().dot(forward)).normalize_or_zero();
-        let down = (v.truncate() - forward * v.truncate().dot(forward)).normalize_or_zero();
-        let focal = Vec2::new(
-            (u.truncate() - forward * u.truncate().dot(forward)).length() as f32,
-            (v.truncate() - forward * v.truncate().dot(forward)).length() as f32,
-        );
+        // Along the image: what is left of a row without its part along the view axis.
+        let across = |row: DVec4| row.truncate() - forward * row.truncate().dot(forward);
+        let (along_u, along_v) = (across(u), across(v));
+        let (right, down) = (along_u.normalize_or_zero(), along_v.normalize_or_zero());
+        let focal = Vec2::new(along_u.length() as f32, along_v.length() as f32);
         Some(View {
             projection: if perspective {
                 Projection::Perspective

@@ -9,6 +9,12 @@ use crate::View;
 pub struct Plane(pub [f32; 4]);
 
 impl Plane {
+    /// The plane through `position` with this `normal`, of any length.
+    #[must_use]
+    pub fn through(position: Vec3, normal: Vec3) -> Plane {
+        Plane([normal.x, normal.y, normal.z, -normal.dot(position)])
+    }
+
     /// Distance of a homogeneous point from the plane, times positive factors: the sign says on
     /// which side the point lies.
     #[must_use]
@@ -21,6 +27,8 @@ impl Plane {
     /// seen edge-on.
     #[must_use]
     pub fn slope_in(&self, view: &View) -> Vec2 {
+        // The row pulled back to texel space: a u + b v + c n + e = 0, so n falls by a / c per
+        // texel of u.
         let p = self.0;
         let [x, y, z, w] = view.inverse_rows();
         let pull = |i: usize| ((p[0] * x[i] + p[1] * y[i]) + p[2] * z[i]) + p[3] * w[i];

@@ -23,18 +23,12 @@ pub fn on<R: Send>(threads: Threads, run: impl FnOnce() -> R + Send) -> R {
         let pool = ThreadPoolBuilder::new().num_threads(2).start_handler(pin).build();
         pool.expect("two threads can be started")
     });
-    match threads {
-        Threads::One => run(),
-        Threads::Pool => POOL.install(run),
-    }
+    if threads == Threads::One { run() } else { POOL.install(run) }
 }
 
 /// How variants call a number of threads.
 pub fn count(threads: Threads) -> &'static str {
-    match threads {
-        Threads::One => "1 thread",
-        Threads::Pool => "2 threads",
-    }
+    if threads == Threads::One { "1 thread" } else { "2 threads" }
 }
 
 /// Two hardware threads that are not of one core, if this machine has them.
