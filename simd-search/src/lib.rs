@@ -97,6 +97,7 @@
 #![deny(unsafe_code)]
 // Lanes are numbered: what a loop does to several arrays at once, a vector does.
 #![allow(clippy::needless_range_loop)]
+
 mod bands;
 mod batch;
 mod build;

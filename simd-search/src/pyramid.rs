@@ -250,6 +250,12 @@ impl<'a> Pyramid<'a> {
         Pyramid { layout, nodes, ids, id_mask: map.id_mask() }
     }
 
+    /// Width and height of the map that it is of.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        [self.layout.width, self.layout.height]
+    }
+
     /// Texels of a leaf, along a row and down.
     pub const LEAF: [u32; 2] = [LEAF_WIDTH, LEAF_HEIGHT];
     /// Leaves of a group along each axis.
@@ -267,7 +273,7 @@ impl<'a> Pyramid<'a> {
     #[inline(always)]
     pub(crate) fn check(&self, map: &Map<'_>) {
         assert!(
-            (map.width(), map.height()) == (self.layout.width, self.layout.height),
+            [map.width(), map.height()] == self.size(),
             "the pyramid is of a map of another size"
         );
     }

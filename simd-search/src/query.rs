@@ -79,8 +79,8 @@ pub struct Query {
     /// What is minimised. Of texels with equal keys the first in row-major order is found.
     pub key: Key,
     /// Moves each texel's centre, for its distance only, by a hash of (x, y), by at most half this
-    /// much along each axis; in texels from 0 (the default; NaN counts as 0) to 1. Breaks up the stairs of maps of
-    /// very low resolution (Brabec and Seidel 2002, section 4.3).
+    /// much along each axis; in texels from 0 (the default; NaN counts as 0) to 1. Breaks up the
+    /// stairs of maps of very low resolution (Brabec and Seidel 2002, section 4.3).
     pub jitter: f32,
     /// A texel that may be the answer, such as the neighbouring receiver's hit. It narrows the
     /// search, and whatever it is the answer stays the same.

@@ -10,7 +10,7 @@ use crate::map::{COLUMNS, ROWS};
 use crate::naive::reach;
 use crate::pyramid::{LEAF_HEIGHT, LEAF_WIDTH, NodeGroup};
 use crate::reach::{Cone, GroupTest, Reach};
-use crate::walk::Group;
+use crate::walk::{EXACT_EXTENT, Group};
 use crate::{Hit, IdTest, Key, Map, Pyramid, Query, Side};
 
 /// What the tile kernels ask of 16 x 8 texels.
@@ -111,12 +111,12 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// Whether a map can be asked in tiles. Beyond 2^22 a texel's centre is no longer exact, so
-    /// that lanes would round differently.
+    /// Whether a map can be asked in tiles: one that holds any, and whose texels' centres are exact,
+    /// for else lanes would round differently.
     #[inline(always)]
     pub fn is_tiled(map: &Map<'_>) -> bool {
-        (COLUMNS as u32..1 << 22).contains(&map.width())
-            && (ROWS as u32..1 << 22).contains(&map.height())
+        (COLUMNS as u32..EXACT_EXTENT).contains(&map.width())
+            && (ROWS as u32..EXACT_EXTENT).contains(&map.height())
     }
 
     /// Asks one texel. True if it is the best so far.

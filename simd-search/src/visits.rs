@@ -23,18 +23,19 @@ pub struct Visits {
 }
 
 impl Visits {
-    /// What [`crate::nearest`] looks at. Counts texels one by one only where it can compare 16 at
-    /// once: without jitter, in a map of at least 16 columns.
+    /// What [`crate::nearest`] looks at. With jitter, and in a map of fewer than 16 columns or 8 rows,
+    /// texels are compared one by one, and such are not counted.
     #[must_use]
     pub fn of_box<'a>(map: impl Into<Map<'a>>, query: &Query) -> Visits {
         counted(Job::InBox { map: map.into(), query, hit: &mut None })
     }
 
-    /// What [`Pyramid::nearest_each`] looks at.
+    /// What [`Pyramid::nearest_each`] looks at, whose answers are in `hits` then. Texels as in
+    /// [`Visits::of_box`].
     ///
     /// # Panics
     ///
-    /// If the pyramid is of a map of another size.
+    /// If the pyramid is of a map of another size, or there are not as many `hits` as queries.
     #[must_use]
     pub fn of_pyramid<'a>(
         map: impl Into<Map<'a>>,
@@ -44,6 +45,7 @@ impl Visits {
     ) -> Visits {
         let map = map.into();
         pyramid.check(&map);
+        assert_eq!(queries.len(), hits.len(), "one hit per query");
         counted(Job::InPyramid { map, pyramid, queries, hits })
     }
 }

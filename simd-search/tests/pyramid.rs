@@ -4,7 +4,7 @@ mod common;
 
 use common::{KINDS, Random, say_levels, storage, texels};
 use shadowmap_core::{Bands, DepthMap, Level, LightPoint, Threads, for_each_band};
-use simd_search::{LeafBands, NodeGroup, Pyramid, Query};
+use simd_search::{LeafBands, NodeGroup, Pyramid, Query, Visits};
 
 /// The storage after an update is that of a new pyramid, which is the same at every level.
 #[test]
@@ -113,4 +113,15 @@ fn a_pyramid_of_another_map_is_refused() {
     let pyramid = Pyramid::build(Level::SCALAR, map, &mut nodes, &mut []).unwrap();
     let query = Query::new(LightPoint::flat(1.0, 1.0, 0.0), 0.0, 1.0);
     let _ = pyramid.nearest(Level::SCALAR, other, &query);
+}
+
+#[test]
+#[should_panic(expected = "one hit per query")]
+fn visits_want_as_many_hits_as_queries() {
+    let texels = [0.0; 64 * 32];
+    let map = DepthMap::new(64, 32, &texels, &[]).unwrap();
+    let mut nodes = vec![NodeGroup::default(); Pyramid::storage_len(64, 32)];
+    let pyramid = Pyramid::build(Level::SCALAR, map, &mut nodes, &mut []).unwrap();
+    let query = Query::new(LightPoint::flat(1.0, 1.0, 0.0), 0.0, 1.0);
+    let _ = Visits::of_pyramid(map, &pyramid, &[query], &mut []);
 }
