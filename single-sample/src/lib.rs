@@ -36,7 +36,7 @@
 //! | one rectangle, 0.5 m | 0.006 | 0.14 |
 //! | torus, 0.5 m | 0.008 | 0.17 |
 //! | torus, 0.1 m | 0.019 | 0.27 |
-//! | 21 objects, 0.5 m | 0.017 | 0.27 |
+//! | 21 objects, 0.5 m | 0.016 | 0.27 |
 //!
 //! Everything is plain slices: whoever has depth maps from elsewhere describes them with a
 //! [`View`](shadowmap_core::View) each and needs no rasterizer of ours. Nothing is allocated.

@@ -134,7 +134,8 @@ impl Parameters {
 ///
 /// # Panics
 ///
-/// If `out` has another length than the camera has pixels.
+/// If `out` has another length than the camera has pixels, or the pyramid is of a map of another size
+/// than the light's.
 pub fn visibility<V: Visibility>(
     level: Level,
     threads: Threads,
@@ -145,6 +146,8 @@ pub fn visibility<V: Visibility>(
     out: &mut [V],
 ) -> Counters {
     assert_eq!(out.len(), camera.map().nearness().len(), "one visibility per pixel");
+    let size = [light.view().width(), light.view().height()];
+    assert_eq!(pyramid.size(), size, "the pyramid is of a map of another size");
     match light.texels() {
         Texels::Plain(map) => {
             run(level, threads, camera, light, map.nearness(), pyramid, parameters, out)

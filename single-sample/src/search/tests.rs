@@ -131,6 +131,21 @@ fn a_radius_that_is_no_number_counts_as_none() {
 }
 
 #[test]
+#[should_panic(expected = "the pyramid is of a map of another size")]
+fn a_pyramid_of_another_map_is_refused() {
+    let maps = ground_and_plates(false, &[], Vec3::Y * 3.0, &[]);
+    maps.with(false, |camera, light| {
+        let texels = [0.25; 64];
+        let mut nodes = vec![NodeGroup::default(); Pyramid::storage_len(8, 8)];
+        let other = DepthMap::new(8, 8, &texels, &[]).unwrap();
+        let pyramid = Pyramid::build(Level::SCALAR, other, &mut nodes, &mut []).unwrap();
+        let mut out = vec![0.0_f32; maps.pixels.len()];
+        let (level, threads) = (Level::SCALAR, Threads::One);
+        visibility(level, threads, camera, light, &pyramid, &Parameters::default(), &mut out);
+    });
+}
+
+#[test]
 fn an_infinitely_near_texel_leaves_the_shadows_of_others() {
     // Under a point light, whose discs have no size.
     let mut maps = ground_and_plates(false, &[([12, 12, 16, 16], 2.0, 0.0)], Vec3::Y * 3.0, &[]);
