@@ -34,15 +34,16 @@ impl VisibilityChannels {
     ///
     /// For whoever has maps of their own; views that are rectified
     /// ([`VisibilityChannels::draw_rectified`]) give the same channels in a fraction of the time.
-    /// It runs on one thread and uses the instructions that the rasterizer does.
+    /// It runs on one thread and in plain Rust; the level is what shading uses later.
     ///
     /// # Panics
     ///
-    /// If there are not as many maps as views, or they differ in size, or that is beyond
-    /// [`raster::MAX_SIZE`].
+    /// If there are fewer than two views or not as many maps as views, or they differ in size, or
+    /// that is beyond [`raster::MAX_SIZE`].
     pub fn draw_unrelated(&mut self, views: &[View], maps: &[DepthMap<'_>], options: &SkinOptions) {
         let size = views.first().map_or([0; 2], |view| [view.width(), view.height()]);
         self.reset(views.len(), size, maps);
+        self.level = options.level;
         let eye = |view: &View| Vec3::from_slice(&view.eye());
         let baseline = eye(&views[0]).distance(eye(&views[1]));
         self.texel_in_nearness = 1.0 / (views[0].focal().x * baseline);
@@ -200,5 +201,28 @@ impl Pair<'_> {
         let [a_near, a_far] = [vertex(a.blocker, 0.0, a.edge()), vertex(a.receiver, 1.0, a.edge())];
         let [b_near, b_far] = [vertex(b.blocker, 0.0, b.edge()), vertex(b.receiver, 1.0, b.edge())];
         skins.extend([[a_near, b_near, b_far], [a_near, b_far, a_far]]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shadowmap_core::Level;
+
+    use super::*;
+
+    #[test]
+    fn channels_are_shaded_with_the_level_they_are_drawn_with() {
+        let view = |x: f32| {
+            let eye = Vec3::new(x, 4.0, 0.0);
+            View::perspective(eye, eye - Vec3::Y, Vec3::Z, 1.0, 8, 8, 0.1)
+        };
+        let texels = [0.25; 64];
+        let map = DepthMap::new(8, 8, &texels, &[]).unwrap();
+        let mut channels = VisibilityChannels::new();
+        for level in Level::available() {
+            let options = SkinOptions { level, ..SkinOptions::default() };
+            channels.draw_unrelated(&[view(0.0), view(1.0)], &[map; 2], &options);
+            assert_eq!(channels.level, level);
+        }
     }
 }

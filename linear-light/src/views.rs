@@ -69,8 +69,7 @@ impl SampleViews {
     /// image plane and the window of all others: where a sample between two others would be.
     #[must_use]
     pub fn view_at(&self, t: f32) -> View {
-        let position = self.a + (self.b - self.a) * t;
-        self.view(position, self.views[0].width(), self.views[0].height())
+        self.trial_view(t, [self.views[0].width(), self.views[0].height()])
     }
 
     /// [`SampleViews::view_at`] for a map of another size, which sees the same with other texels.

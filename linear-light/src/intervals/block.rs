@@ -11,6 +11,7 @@ use crate::lanes::{INDEX, Ids, LANES, Lanes, Ops, lanes, put, take};
 
 /// What was done for the receivers of a camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counters {
     /// Pixels where the camera sees something.
     pub receivers: u64,
