@@ -32,6 +32,11 @@ pub fn run(arguments: &[String]) -> ExitCode {
             _ => return usage(),
         }
     }
+    let targets = targets(&root().join("fuzz"));
+    if let Some(unknown) = chosen.iter().find(|name| !targets.contains(name)) {
+        println!("fuzz: no target `{unknown}`; there are {}", targets.join(", "));
+        return ExitCode::from(2);
+    }
     match missing() {
         Some(missing) => {
             println!("fuzz: {missing}");

@@ -20,6 +20,7 @@ cargo xtask <command> [options]
 
   render [SCENE] [options]   draw a picture with soft shadows (the program penumbra)
   compare A B [options]      compare two pictures
+  mask VIEWS [options]       a shadow mask from the depth buffers of another program
   bench [options]            time every stage; table, JSON and HTML in target/bench
   figures [options]          redraw the papers' figures as one report in target/figures
   ci [--full]                everything that the hosted checks run

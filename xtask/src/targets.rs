@@ -96,8 +96,7 @@ pub const THUMB: Target = Target {
 };
 
 /// Bare metal where nothing runs: the algorithm crates are built.
-pub const BARE_METAL: [Target; 4] = [
-    Target { name: "thumbv7em", triple: "thumbv7em-none-eabihf", ..BARE },
+pub const BARE_METAL: [Target; 3] = [
     Target { name: "aarch64 bare", triple: "aarch64-unknown-none", ..BARE },
     Target { name: "riscv64 bare", triple: "riscv64gc-unknown-none-elf", ..BARE },
     Target { name: "x86_64 bare", triple: "x86_64-unknown-none", ..BARE },
