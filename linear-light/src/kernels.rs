@@ -111,11 +111,11 @@ pub(crate) fn run(level: Level, job: Job<'_>) {
         #[cfg(target_feature = "sse2")]
         shadowmap_core::LevelKind::Avx512 => unsafe { x86::avx512(job) },
         // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(target_arch = "aarch64")]
+        #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
         shadowmap_core::LevelKind::Neon => unsafe { neon::neon(job) },
-        // SAFETY: a `Level` exists only where its instructions do.
-        #[cfg(target_arch = "wasm32")]
-        shadowmap_core::LevelKind::Simd128 => unsafe { wasm::simd128(job) },
+        // Not in modules without: one function with SIMD makes the whole module need it.
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        shadowmap_core::LevelKind::Simd128 => wasm::simd128(job),
         _ => plain(job),
     }
 }
@@ -296,7 +296,7 @@ mod x86 {
     }
 }
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 mod neon {
     use core::arch::aarch64::*;
 
@@ -345,7 +345,7 @@ mod neon {
     }
 }
 
-#[cfg(target_arch = "wasm32")]
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod wasm {
     use core::arch::wasm32::*;
 
