@@ -110,6 +110,9 @@ pub use shading::{SkinShadow, visibility};
 pub use skins::{SkinOptions, Transition};
 pub use views::SampleViews;
 
+/// The crate whose views, maps and levels are taken here, in the version that takes them.
+pub use shadowmap_core;
+
 /// The examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -79,6 +79,9 @@ pub use rasterizer::Rasterizer;
 pub use skins::{SkinVertex, draw_skins};
 pub use texels::Texels;
 
+/// The crate whose views, maps and levels are taken here, in the version that takes them.
+pub use shadowmap_core;
+
 /// The largest width and height of a map, in texels.
 pub const MAX_SIZE: u32 = 16384;
 

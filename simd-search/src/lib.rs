@@ -132,6 +132,9 @@ pub use query::{Hit, IdTest, Key, Query, Side};
 pub use reach::{Cone, Reach, Receivers};
 pub use visits::Visits;
 
+/// The crate whose views, maps and levels are taken here, in the version that takes them.
+pub use shadowmap_core;
+
 /// The answer to one query without a pyramid: what [`naive::nearest`] gives, from the rows
 /// of texels around the receiver outwards.
 #[must_use]

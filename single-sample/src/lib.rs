@@ -95,6 +95,9 @@ pub use counters::Counters;
 pub use mask::{Found, Visibility};
 pub use shadowmap_core::{Camera, SizeError, Surface, Surfaces};
 
+/// The crates whose views, maps, levels and pyramids are taken here, in the versions that take them.
+pub use {shadowmap_core, simd_search};
+
 /// The examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
