@@ -3,6 +3,8 @@
 
 mod support;
 
+use std::io::Write as _;
+
 use raster::{AlphaMask, DepthBuffer, DrawStats, Payload, Rasterizer, draw_plain};
 use shadowmap_core::{BandSlice, Level, Threads, View};
 use support::{Random, Soup, rectified_views, soup, torture, views};
@@ -61,7 +63,8 @@ fn compare(soup: &Soup, mask: Option<&AlphaMask<'_>>, what: &str) {
 #[test]
 fn ordinary_triangles_of_every_size() {
     let levels: Vec<_> = Level::available().map(|level| level.kind().name()).collect();
-    println!("levels covered: {}", levels.join(", "));
+    // Past the test harness, which swallows what passing tests print.
+    let _ = writeln!(std::io::stderr(), "rasterizer: levels {}", levels.join(", "));
     for (size, count) in [(0.003, 3000), (0.02, 3000), (0.1, 2000), (0.5, 500), (4.0, 100)] {
         compare(&soup(&mut Random(7), count, size), None, &format!("size {size}"));
     }

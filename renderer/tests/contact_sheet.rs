@@ -1,7 +1,7 @@
 //! Models that the methods were not made for, at default settings, beside rays: a contact sheet in
 //! `target/contact-sheet.png`, a row of ours, rays and difference per model and light.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use reference::{Cutouts, Tracer};
 use renderer::camera::{CameraOptions, choose, view};
@@ -12,6 +12,7 @@ use renderer::load::{Limits, load};
 use renderer::method::Method;
 use renderer::prepared::Prepared;
 use shadowmap_core::{Level, Threads};
+use test_models::public_models;
 
 const SIDE: u32 = 256;
 
@@ -29,14 +30,6 @@ const MODELS: [(&str, f32, f32); 10] = [
     ("cornell_box.obj", 0.004, 0.05),
     ("three_storey_building_noindex.glb", 0.004, 0.05),
 ];
-
-fn models() -> Option<PathBuf> {
-    let folder = std::env::var_os("PENUMBRA_SCENES").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes"),
-        PathBuf::from,
-    );
-    folder.is_dir().then_some(folder)
-}
 
 /// What rays and the default method see of the model's lights, or of each of those it would get.
 fn draw(path: &Path) -> Vec<[Vec<f32>; 2]> {
@@ -69,10 +62,7 @@ fn draw(path: &Path) -> Vec<[Vec<f32>; 2]> {
 
 #[test]
 fn unseen_models_look_as_rays_say() {
-    let Some(folder) = models() else {
-        println!("SKIPPED: no models in ../shared/scenes (PENUMBRA_SCENES)");
-        return;
-    };
+    let Some(folder) = public_models() else { return };
     let side = SIDE as usize;
     let mut rows: Vec<Vec<f32>> = Vec::new();
     let mut wrong = Vec::new();

@@ -8,6 +8,7 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use renderer::picture::read;
+use test_models::skipped;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_penumbra");
 
@@ -38,8 +39,7 @@ fn files(folder: &Path) -> Vec<String> {
 fn a_full_device_is_an_error_of_one_line() {
     let full = Path::new("/dev/full");
     if !full.exists() {
-        println!("SKIPPED: this system has no /dev/full");
-        return;
+        return skipped("this system has no /dev/full");
     }
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink(full, folder.path().join("full.pfm")).unwrap();

@@ -4,6 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use test_models::skipped;
+
 fn mask(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_penumbra"));
     command.current_dir(folder).arg("mask").args(arguments);
@@ -150,8 +152,7 @@ fn python() -> Option<PathBuf> {
 #[test]
 fn depth_of_another_ray_tracer_gives_its_own_truth() {
     let Some(python) = python() else {
-        println!("SKIPPED: no Python with numpy, trimesh and embreex (PENUMBRA_PYTHON)");
-        return;
+        return skipped("no Python with numpy, trimesh and embreex (PENUMBRA_PYTHON)");
     };
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

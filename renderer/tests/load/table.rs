@@ -1,26 +1,8 @@
 //! Public models against what independent readers found in them.
 
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
-
 use glam::Vec3;
 use renderer::load::{Fault, Limits, load};
 use renderer::scene::Scene;
-
-/// The folder of the public models, or `None` where a clone does not have it.
-fn models() -> Option<PathBuf> {
-    let folder = match std::env::var_os("PENUMBRA_SCENES") {
-        Some(folder) => folder.into(),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes"),
-    };
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    // Past the test harness, which swallows what passing tests print.
-    let line = format!("SKIPPED: no public models in {}\n", folder.display());
-    let _ = std::io::stderr().write_all(line.as_bytes());
-    None
-}
 
 /// File, triangles, objects, corners of the bounding box.
 type Row = (&'static str, usize, usize, [f32; 3], [f32; 3]);
@@ -54,7 +36,7 @@ const TABLE: &[Row] = &[
 
 #[test]
 fn public_models() {
-    let Some(folder) = models() else { return };
+    let Some(folder) = test_models::public_models() else { return };
     let square = |n| {
         let name: &str =
             Box::leak(format!("primitive_modes/Mesh_PrimitiveMode_{n:02}.gltf").into());
@@ -96,7 +78,7 @@ fn check_consistency(name: &str, scene: &Scene) {
 
 #[test]
 fn points_and_lines_are_nothing_to_render() {
-    let Some(folder) = models() else { return };
+    let Some(folder) = test_models::public_models() else { return };
     for n in [0, 1, 2, 3, 7, 8, 9, 10] {
         let name = format!("primitive_modes/Mesh_PrimitiveMode_{n:02}.gltf");
         let error = load(&folder.join(&name), &Limits::default()).unwrap_err();
@@ -107,7 +89,7 @@ fn points_and_lines_are_nothing_to_render() {
 
 #[test]
 fn compressed_models_are_refused_by_name() {
-    let Some(folder) = models() else { return };
+    let Some(folder) = test_models::public_models() else { return };
     for (name, extension) in [
         ("BoxDraco.gltf", "KHR_draco_mesh_compression"),
         ("DenseSphere_draco.glb", "KHR_draco_mesh_compression"),
@@ -122,7 +104,7 @@ fn compressed_models_are_refused_by_name() {
 
 #[test]
 fn negative_models_end_in_one_line() {
-    let Some(folder) = models() else { return };
+    let Some(folder) = test_models::public_models() else { return };
     let mut files = 0;
     for entry in std::fs::read_dir(folder.join("negative")).unwrap() {
         let path = entry.unwrap().path();
@@ -140,7 +122,7 @@ fn negative_models_end_in_one_line() {
 
 #[test]
 fn concave_polygon_keeps_its_hole() {
-    let Some(folder) = models() else { return };
+    let Some(folder) = test_models::public_models() else { return };
     let path = folder.join("features/concave_polygon.obj");
     let mesh = load(&path, &Limits::default()).unwrap().mesh;
     let area = |t: &[u32; 3]| {

@@ -1,5 +1,9 @@
-//! Sound scene files made in code, for tests to read and to break.
+//! Sound scene files made in code, for tests to read and to break; and the way to public ones.
 #![forbid(unsafe_code)]
+
+mod outside;
+
+pub use outside::{public_models, skipped};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
