@@ -40,13 +40,15 @@ pub enum Goal {
 pub struct Shot<'a> {
     /// The scene.
     pub prepared: &'a Prepared<'a>,
-    /// The camera, `aa` times as large as the picture along each axis.
+    /// The camera, `aa` times as large as the picture along each axis, at most [`raster::MAX_SIZE`].
     pub camera: &'a View,
-    /// Pixels of the camera per pixel of the picture along each axis.
+    /// Pixels of the camera per pixel of the picture along each axis, from 1 to
+    /// [`MAX_AA`](crate::shade::MAX_AA).
     pub aa: u32,
     /// The lights.
     pub lights: &'a [LightJob],
-    /// For ray-traced lights: the scene's triangles, ready for rays.
+    /// For ray-traced lights: the scene's triangles, ready for rays. Without it nothing is seen of
+    /// such lights.
     pub tracer: Option<&'a Tracer<'a>>,
     /// How far to go.
     pub goal: Goal,
@@ -133,6 +135,10 @@ impl Frame {
     }
 
     /// Makes a frame.
+    ///
+    /// # Panics
+    ///
+    /// If the camera or a light's map is larger than [`raster::MAX_SIZE`], or `aa` is out of its range.
     pub fn render(&mut self, shot: &Shot<'_>) {
         let mut times = StageTimes::default();
         self.counters.clear();

@@ -32,7 +32,7 @@ const POINT_SAMPLES: u32 = 16;
 const RAYS: u32 = 256;
 
 /// How lights are to be drawn.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LightOptions {
     /// The method; by default each light has its own.
     pub method: Option<Method>,
@@ -41,12 +41,25 @@ pub struct LightOptions {
     /// Whether [`Method::Intervals`] finds out how many samples a line needs; that is so by default
     /// where `samples` says nothing and the light is linear.
     pub adaptive: bool,
-    /// Side of the maps in texels.
+    /// Side of the maps in texels, from 1 to [`raster::MAX_SIZE`]; 1024 by default.
     pub map_size: u32,
     /// A frustum by hand.
     pub by_hand: Option<ByHand>,
     /// Of [`Method::SearchPaper`].
     pub paper: paper::Parameters,
+}
+
+impl Default for LightOptions {
+    fn default() -> LightOptions {
+        LightOptions {
+            method: None,
+            samples: None,
+            adaptive: false,
+            map_size: 1024,
+            by_hand: None,
+            paper: paper::Parameters::default(),
+        }
+    }
 }
 
 /// Where a light's maps are taken from.
@@ -224,4 +237,23 @@ pub fn views_of(line: &RectifiedLight) -> Vec<&[View]> {
 /// Whether a light is drawn as several lines.
 fn has_area(light: &Light) -> bool {
     matches!(light, Light::Triangle { .. } | Light::Rectangle { .. })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use crate::camera::{CameraOptions, choose, view};
+
+    #[test]
+    fn maps_have_a_size_by_default() {
+        let scene = builtin::scene("torus").unwrap();
+        let prepared = Prepared::new(&scene);
+        let camera = choose(&scene, &CameraOptions::default()).unwrap();
+        let camera = view(&camera, [64, 64], prepared.bounds());
+        for light in &scene.lights {
+            let job = LightJob::new(light, &LightOptions::default(), &prepared, &camera).unwrap();
+            assert!(job.plan.first_views().iter().all(|view| view.width() == 1024));
+        }
+    }
 }

@@ -71,7 +71,15 @@ impl Settings {
             let text = "--pass visibility-channel: only --method skins draws such channels";
             return Err(Error::new(text));
         }
+        let size = size("--size", &args.size)?;
         let aa = count("--aa", &args.aa, 1..=MAX_AA)?;
+        let aa = if pass.is_antialiased() { aa } else { 1 };
+        if size.iter().any(|side| side * aa > MAX_SIZE) {
+            return Err(Error::new(format_args!(
+                "--size {} --aa {aa}: a side times {aa} must be at most {MAX_SIZE}",
+                args.size
+            )));
+        }
         let vector = |option: &str, text: &Option<String>| {
             text.as_deref().map(|text| point(option, text)).transpose()
         };
@@ -94,8 +102,8 @@ impl Settings {
             scene: args.scene.clone().unwrap_or_else(|| "show".to_owned()),
             output: (args.output.clone(), format),
             pass,
-            size: size("--size", &args.size)?,
-            aa: if pass.is_antialiased() { aa } else { 1 },
+            size,
+            aa,
             camera: CameraOptions {
                 eye: vector("--eye", &args.eye)?,
                 target: vector("--target", &args.target)?,

@@ -146,7 +146,7 @@ pub struct Stats {
     pub map_size: u32,
     /// Method, or the methods of several lights with `+` between.
     pub method: String,
-    /// Samples of each light, where the method has any; else 1.
+    /// The most samples of any light, where a method has any; else 1.
     pub samples: u32,
     /// SIMD level.
     pub simd: &'static str,

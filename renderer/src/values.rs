@@ -5,8 +5,8 @@ use shadowmap_core::Light;
 
 use crate::Error;
 
-/// The largest width and height of pictures and of light maps.
-pub const MAX_SIZE: u32 = 16384;
+/// The largest width and height of pictures and of light maps: what the rasterizer can draw.
+pub const MAX_SIZE: u32 = raster::MAX_SIZE;
 
 /// `WxH`, each from 1 to [`MAX_SIZE`].
 ///

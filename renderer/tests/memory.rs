@@ -107,7 +107,7 @@ fn what_is_too_large_is_refused_at_once() {
     square.push_str(&"f 1 2 3\n".repeat(1000));
     fs::write(folder.path().join("many.obj"), square).unwrap();
     for (arguments, words) in [
-        (&["torus", "--size", "16384x16384", "--aa", "16"][..], "--max-memory"),
+        (&["torus", "--size", "16384x16384", "--max-memory", "4000"][..], "--max-memory"),
         (
             &["torus", "--size", "8x8", "--map-size", "16384", "--max-memory", "1000"],
             "--max-memory",

@@ -5,9 +5,7 @@ use std::path::Path;
 
 use crate::Error;
 use crate::picture::{self, Format};
-
-/// The longest side of a buffer.
-const MAX_SIDE: u64 = 16_384;
+use crate::values::MAX_SIZE;
 
 /// The longest header of an .npy file that describes a plain array.
 const MAX_NPY_HEADER: usize = 4_096;
@@ -243,11 +241,10 @@ fn each<const N: usize, T>(
 }
 
 fn sides(width: u64, height: u64) -> Result<(u32, u32), String> {
-    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
-        Ok((width as u32, height as u32))
-    } else {
-        Err(format!("{width} x {height} pixels: a side must be from 1 to {MAX_SIDE}"))
-    }
+    let side = |side: u64| u32::try_from(side).ok().filter(|side| (1..=MAX_SIZE).contains(side));
+    side(width)
+        .zip(side(height))
+        .ok_or_else(|| format!("{width} x {height} pixels: a side must be from 1 to {MAX_SIZE}"))
 }
 
 fn decode_png(bytes: &[u8], max_memory: u64) -> Result<Buffer, String> {
@@ -255,8 +252,7 @@ fn decode_png(bytes: &[u8], max_memory: u64) -> Result<Buffer, String> {
     reader.set_format(image::ImageFormat::Png);
     let mut limits = image::Limits::no_limits();
     limits.max_alloc = Some(max_memory);
-    (limits.max_image_width, limits.max_image_height) =
-        (Some(MAX_SIDE as u32), Some(MAX_SIDE as u32));
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIZE), Some(MAX_SIZE));
     reader.limits(limits);
     let image = reader.decode().map_err(|error| error.to_string())?;
     let (width, height) = (image.width(), image.height());
