@@ -1,10 +1,10 @@
 //! Lights with an area as a few linear lights.
 //!
 //! The paper draws a triangular light as three linear lights, one per edge (figure 8, right), which
-//! leaves its inside dark. Here a polygon is cut into strips of equal height, parallel to its longest
-//! edge, and the line through the middle of each strip stands for it, weighted with the strip's
-//! area. The visibility of the polygon is the weighted mean of that of the lines: exact along them,
-//! and a midpoint rule across.
+//! leaves its inside dark. Here a polygon is cut into strips of equal height, parallel to its
+//! longest edge, and the line through the middle of each strip stands for it, weighted with the
+//! strip's area. The visibility of the polygon is the weighted mean of that of the lines: exact
+//! along them, and a midpoint rule across.
 
 use alloc::vec::Vec;
 

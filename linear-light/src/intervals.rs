@@ -3,9 +3,9 @@
 //! The paper knows what lies between a blocker's edge and the receiver behind it (its skins) and
 //! fails where no sample sees a receiver. The maps say more: in rectified views
 //! ([`SampleViews`]) every plane through the light is one row in every map, and along
-//! a row the blockers are piecewise known. For a receiver at column u_p with nearness w_p in the map
-//! from parameter t_0 of the light, the point of a blocker at column u with nearness w > w_p hides
-//! exactly the parameter
+//! a row the blockers are piecewise known. For a receiver at column u_p with nearness w_p in the
+//! map from parameter t_0 of the light, the point of a blocker at column u with nearness w > w_p
+//! hides exactly the parameter
 //!
 //! ```text
 //! t = t_0 + (u - u_p) / (disparity (w - w_p))
@@ -20,23 +20,23 @@
 //!    camera sees, by more than the [`Bias`]; so no receiver shadows itself.
 //! 2. Texels that follow each other without a step in nearness are one piece of blocker, a *run*.
 //!    It hides the parameters from the least to the greatest that one of its texels hides. Beyond
-//!    the centres of its outermost texels a run goes on as it has come, by about a third of a texel,
-//!    or until it meets the receiver's plane.
+//!    the centres of its outermost texels a run goes on as it has come, by about a third of a
+//!    texel, or until it meets the receiver's plane.
 //! 3. Each part of the light between two samples is judged by both their maps: what one cannot see
 //!    behind a blocker, the other often can. Hidden is the union of all runs' intervals.
-//! 4. What lies below the receiver's horizon is hidden too, analytically. Visibility is what is left
-//!    of the light.
+//! 4. What lies below the receiver's horizon is hidden too, analytically. Visibility is what is
+//!    left of the light.
 //! 5. The receiver is moved along its plane into the middles of the two rows around it, and their
-//!    visibilities are blended by its distance to them: so rows leave no stairs. A row does not count
-//!    where that would move the receiver into a blocker that stands on its plane.
+//!    visibilities are blended by its distance to them: so rows leave no stairs. A row does not
+//!    count where that would move the receiver into a blocker that stands on its plane.
 //!
 //! # What is fast
 //!
 //! Receivers are taken in groups: those that share a plane in a block of 16 x 8 pixels.
 //!
-//! * Every 16 x 8 texels of a map are bounded by a plane and the least and greatest distance from it.
-//!   Where no bound reaches above the group's plane, the group is lit: a ground that the light sees
-//!   at an angle is decided without looking at a texel.
+//! * Every 16 x 8 texels of a map are bounded by a plane and the least and greatest distance from
+//!   it. Where no bound reaches above the group's plane, the group is lit: a ground that the light
+//!   sees at an angle is decided without looking at a texel.
 //! * Groups of neighbouring blocks that share a plane are judged together. Of each row only the
 //!   bounded parts that can block are read, once for the whole group, since the same texels are in
 //!   front of its plane. For each run, the texels that hide the most and the least for the two
@@ -134,9 +134,9 @@ impl IntervalVisibility {
     ///
     /// # Panics
     ///
-    /// If there are no frusta or more than [`MAX_FRUSTA`], if they are not those that were prepared, if a
-    /// frustum has less than two maps, maps of another size than its views or with `t` not
-    /// ascending from 0 to 1, or if `out` does not have one element per pixel.
+    /// If there are no frusta or more than [`MAX_FRUSTA`], if they are not those that were
+    /// prepared, if a frustum has less than two maps, maps of another size than its views or with
+    /// `t` not ascending from 0 to 1, or if `out` does not have one element per pixel.
     pub fn visibility(
         &mut self,
         camera: &Camera<'_>,

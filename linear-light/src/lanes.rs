@@ -1,9 +1,9 @@
 //! Sixteen numbers at a time.
 //!
 //! Arithmetic is written on plain arrays, which the compiler turns into vector instructions of
-//! whatever width the calling function may use. Only turning comparisons into bits has to be spelled
-//! out per instruction set, and minima, which the compiler otherwise takes apart: every kernel takes
-//! a `Ops` for that.
+//! whatever width the calling function may use. Only turning comparisons into bits has to be
+//! spelled out per instruction set, and minima, which the compiler otherwise takes apart: every
+//! kernel takes a `Ops` for that.
 
 /// Numbers in one vector, and texels in one segment of a map's row.
 pub(crate) const LANES: usize = 16;

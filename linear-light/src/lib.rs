@@ -43,10 +43,11 @@
 //!   one half. The channel knows texels, receivers are finer: along the end of every penumbra the
 //!   sum of two channels is off by one half here and there. [`VisibilityChannels::channel`] still
 //!   gives the paper's channel.
-//! * **Equation 1 per texel** ([`Transition::Rational`], the default) where the paper is content with
-//!   an affine transition ([`Transition::Linear`]), exact only for receivers parallel to the light.
-//! * **Silhouettes are placed between texels**: what the rows above and below and the other map know
-//!   of the same edge halves the error of wide penumbrae.
+//! * **Equation 1 per texel** ([`Transition::Rational`], the default) where the paper is content
+//!   with an affine transition ([`Transition::Linear`]), exact only for receivers parallel to the
+//!   light.
+//! * **Silhouettes are placed between texels**: what the rows above and below and the other map
+//!   know of the same edge halves the error of wide penumbrae.
 //! * **Discontinuities are deviations from planes**: nearness is affine on a plane, so steep
 //!   surfaces are none. The paper's 3 x 3 Laplacian of Gaussian is the other filter.
 //! * A skin is drawn only from its front: from its back it is behind its blocker.
@@ -55,10 +56,10 @@
 //!
 //! # What it cannot do
 //!
-//! A point that sees the light only between two samples, and neither of them, ends up in full shadow
-//! (the paper's figure 6); a point that two samples see, with a blocker between their rays, is
-//! taken for fully lit. Both end with more samples: on the test scene `crowded` two are worse than
-//! two point lights, three are better; a grille of nine bars needs nine.
+//! A point that sees the light only between two samples, and neither of them, ends up in full
+//! shadow (the paper's figure 6); a point that two samples see, with a blocker between their rays,
+//! is taken for fully lit. Both end with more samples: on the test scene `crowded` two are worse
+//! than two point lights, three are better; a grille of nine bars needs nine.
 //!
 //! # Features
 //!

@@ -25,8 +25,8 @@ struct Beyond {
     after: f64,
     /// Where its own ends.
     last: f64,
-    /// How many times fewer rows its maps have: there the scene is seen so slantwise that rows lie close
-    /// to each other.
+    /// How many times fewer rows its maps have: there the scene is seen so slantwise that rows lie
+    /// close to each other.
     fewer_rows: u32,
 }
 
@@ -36,8 +36,8 @@ const LAST_TANGENT: f64 = 256.0;
 /// How far the frusta beyond an end reach back over it, for what stands close to the light.
 const BACK: f64 = 2.0;
 
-/// How much closer to the light's line they see: as close as a blocker right at the light's end comes to
-/// it.
+/// How much closer to the light's line they see: as close as a blocker right at the light's end
+/// comes to it.
 const NEARER: f64 = 1.0 / 64.0;
 
 /// The most frusta of one light: four around it, with two beyond either end each.
@@ -57,12 +57,13 @@ const MARGIN: f64 = 1.0 / 32.0;
 ///
 /// **Beyond the ends.** Views perpendicular to the light see little of what lies along its line:
 /// windows end at [`MAX_TANGENT`]. If receivers lie beyond, each of these frusta is followed by one
-/// or two more for such an end, whose windows begin at the end's own plane and end 3.6 degrees and a
-/// quarter of a degree from the light's line, and whose maps have fewer rows. What remains, closer to
-/// the line than that, falls outside all maps.
+/// or two more for such an end, whose windows begin at the end's own plane and end 3.6 degrees and
+/// a quarter of a degree from the light's line, and whose maps have fewer rows. What remains,
+/// closer to the line than that, falls outside all maps.
 ///
-/// A receiver belongs to exactly one frustum ([`RectifiedLight::frustum_of`]). All that can block it
-/// from the light lies in its own half-plane through the light's line, hence in the same frustum.
+/// A receiver belongs to exactly one frustum ([`RectifiedLight::frustum_of`]). All that can block
+/// it from the light lies in its own half-plane through the light's line, hence in the same
+/// frustum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RectifiedLight {
     frusta: Vec<SampleViews>,
@@ -239,9 +240,9 @@ fn faces(
     }
 }
 
-/// The planes on whose positive sides lies what is beyond the light's near end: past it, and at more
-/// than `tangent` along the light as the far end sees it. `sign` is that of the way from the far to the
-/// near end along the frame.
+/// The planes on whose positive sides lies what is beyond the light's near end: past it, and at
+/// more than `tangent` along the light as the far end sees it. `sign` is that of the way from the
+/// far to the near end along the frame.
 fn end_planes(frame: &Frame, sign: f64, tangent: f64, [far, near]: [Vec3; 2]) -> [Plane; 2] {
     let along = frame.right * sign;
     let plane = |normal: DVec3, through: Vec3| {

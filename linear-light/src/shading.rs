@@ -31,8 +31,8 @@ enum Samples<'a> {
 }
 
 impl<'a> SkinShadow<'a> {
-    /// Rectified maps and the channels that were made of them. `bias` is the tolerance of the shadow
-    /// test.
+    /// Rectified maps and the channels that were made of them. `bias` is the tolerance of the
+    /// shadow test.
     ///
     /// # Panics
     ///

@@ -180,8 +180,8 @@ impl Pair<'_> {
         transition: Transition,
         skins: &mut Vec<[SkinVertex; 3]>,
     ) {
-        // On which side of the silhouette the blocker is, and the skin. If that is the same one, the
-        // skin is behind the blocker.
+        // On which side of the silhouette the blocker is, and the skin. If that is the same one,
+        // the skin is behind the blocker.
         let blocker = (b.position - a.position).perp_dot(a.to_blocker);
         let along = b.blocker.truncate() - a.blocker.truncate();
         let down = (a.receiver - a.blocker) + (b.receiver - b.blocker);

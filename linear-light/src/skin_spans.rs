@@ -32,9 +32,9 @@ pub(crate) struct SpanRow<'a> {
 }
 
 impl SpanRow<'_> {
-    /// Draws into the destination's row of the channel, which is all 1: the fraction of the segment,
-    /// from its end of it on, up to the nearest skin. Adds to `touched` the columns that may no
-    /// longer be 1.
+    /// Draws into the destination's row of the channel, which is all 1: the fraction of the
+    /// segment, from its end of it on, up to the nearest skin. Adds to `touched` the columns that
+    /// may no longer be 1.
     pub fn draw(&self, level: Level, out: &mut [f32], touched: &mut Range<usize>) {
         assert!(out.len() == self.to.len() && out.len() == self.from.middle.len());
         run(level, Job::Skins { row: self, out, touched });

@@ -168,9 +168,9 @@ impl SampleViews {
     }
 }
 
-/// The frustum that a receiver belongs to, from what [`SampleViews::rank`] says of each: the one whose
-/// view axis is nearest to it, and of those with the same axes the one beyond the light's end if
-/// the receiver lies there.
+/// The frustum that a receiver belongs to, from what [`SampleViews::rank`] says of each: the one
+/// whose view axis is nearest to it, and of those with the same axes the one beyond the light's end
+/// if the receiver lies there.
 pub(crate) fn choose(ranks: impl Iterator<Item = (f32, bool)>) -> usize {
     let mut best = (0, f32::NEG_INFINITY);
     for (index, (depth, is_beyond)) in ranks.enumerate() {

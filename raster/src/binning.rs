@@ -256,8 +256,8 @@ fn push_small<S: Simd>(
     s.store_u(&mut payload, payloads(s, source, first));
     for lane in set_bits(small) {
         for band in y[0][lane] >> grid.shift..=y[1][lane] >> grid.shift {
-            // Made anew for each, number by number where it stays: to read it back as a whole, for a
-            // copy, would have to wait.
+            // Made anew for each, number by number where it stays: to read it back as a whole, for
+            // a copy, would have to wait.
             bins.bands[band as usize].small.push(Small {
                 x: x[0][lane] as u16,
                 y: y[0][lane] as u16,

@@ -5,10 +5,10 @@ use core::fmt;
 /// An alpha test for some of a mesh's triangles.
 ///
 /// `keep(triangle, b1, b2)` is asked for every texel centre of a flagged triangle, with the
-/// perspective-correct weights of the triangle's second and third vertex (each in \[0, 1\]; the first
-/// one's is `1 - b1 - b2`). Where it says no, the texel is as if the triangle had a hole there. It
-/// may be called from several threads, in any order, also for texels where something else is
-/// nearer; so it must be a pure function.
+/// perspective-correct weights of the triangle's second and third vertex (each in \[0, 1\]; the
+/// first one's is `1 - b1 - b2`). Where it says no, the texel is as if the triangle had a hole
+/// there. It may be called from several threads, in any order, also for texels where something else
+/// is nearer; so it must be a pure function.
 #[derive(Clone, Copy)]
 pub struct AlphaMask<'a> {
     /// Which triangles are tested. Triangles past the end are opaque.

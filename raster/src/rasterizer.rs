@@ -72,9 +72,9 @@ impl Rasterizer {
     /// Draws the same mesh from several views, such as the samples of a linear light (Heidrich,
     /// Brabec and Seidel 2000, section 3). Returns the sum over all maps.
     ///
-    /// Rectified views ([`View::perspective_rectified`]) that follow one another share one pass over
-    /// the mesh: what they have in common, rows and nearness, is computed once. That shows in the
-    /// time, and in up to four times the scratch memory.
+    /// Rectified views ([`View::perspective_rectified`]) that follow one another share one pass
+    /// over the mesh: what they have in common, rows and nearness, is computed once. That shows in
+    /// the time, and in up to four times the scratch memory.
     ///
     /// # Panics
     ///
@@ -105,9 +105,9 @@ impl Rasterizer {
         self.draw_views(views, mesh, Some(mask), payload, targets, nothing())
     }
 
-    /// Like [`Rasterizer::draw_masked`] or, without a `mask`, [`Rasterizer::draw_many`], and hands on
-    /// the maps in bands of `rows` rows, each as soon as it is drawn. Its texels are in the thread's
-    /// cache then: whoever reads the whole map anyway need not fetch them again.
+    /// Like [`Rasterizer::draw_masked`] or, without a `mask`, [`Rasterizer::draw_many`], and hands
+    /// on the maps in bands of `rows` rows, each as soon as it is drawn. Its texels are in the
+    /// thread's cache then: whoever reads the whole map anyway need not fetch them again.
     ///
     /// `finish` is called once for every band of every map, by several threads at a time. It gets
     /// the band as a map of its own, whose payload it takes for object IDs, and the same band of

@@ -151,8 +151,8 @@ pub(crate) trait Simd: Copy {
     #[inline(always)]
     fn prefetch(self, _at: *const u8) {}
 
-    /// Fetches what is to be written later, not into the nearest cache but the next. The address need
-    /// not be valid.
+    /// Fetches what is to be written later, not into the nearest cache but the next. The address
+    /// need not be valid.
     #[inline(always)]
     fn prefetch_later(self, _at: *const u8) {}
 

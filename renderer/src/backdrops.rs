@@ -10,7 +10,8 @@ use crate::scene::Scene;
 /// How many of the largest triangles are tried as backdrops: as many as there are bits, less one.
 const CANDIDATES: usize = 63;
 
-/// The bit of triangles that have no place; always set among those that [`Backdrops::lit_by`] tells.
+/// The bit of triangles that have no place; always set among those that [`Backdrops::lit_by`]
+/// tells.
 const NOWHERE: u64 = 1 << CANDIDATES;
 
 /// How far a point may lie behind a backdrop, of the scene's extent: what rounding leaves.

@@ -63,8 +63,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WxH", default_value = "1024x1024")]
     pub size: String,
 
-    /// Antialiasing: N x N samples per pixel, from 1 to 16 (beauty and visibility). N times a side of
-    /// the picture is at most 16384.
+    /// Antialiasing: N x N samples per pixel, from 1 to 16 (beauty and visibility). N times a side
+    /// of the picture is at most 16384.
     #[arg(long, value_name = "N", default_value = "1")]
     pub aa: String,
 

@@ -17,9 +17,11 @@ pub struct Facet {
     is_flat: bool,
     /// Whether the albedo is looked up for each pixel.
     is_colored: bool,
-    /// Towards the viewer; at a point `normal[0] + b1 normal[1] + b2 normal[2]`, not of unit length.
+    /// Towards the viewer; at a point `normal[0] + b1 normal[1] + b2 normal[2]`, not of unit
+    /// length.
     normal: [Vec3; 3],
-    /// The weights `b1` of the second and `b2` of the third corner at P are `weights . (P - origin)`.
+    /// The weights `b1` of the second and `b2` of the third corner at P are
+    /// `weights . (P - origin)`.
     origin: Vec3,
     weights: [Vec3; 2],
 }

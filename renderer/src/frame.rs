@@ -40,7 +40,8 @@ pub enum Goal {
 pub struct Shot<'a> {
     /// The scene.
     pub prepared: &'a Prepared<'a>,
-    /// The camera, `aa` times as large as the picture along each axis, at most [`raster::MAX_SIZE`].
+    /// The camera, `aa` times as large as the picture along each axis, at most
+    /// [`raster::MAX_SIZE`].
     pub camera: &'a View,
     /// Pixels of the camera per pixel of the picture along each axis, from 1 to
     /// [`MAX_AA`](crate::shade::MAX_AA).
@@ -138,7 +139,8 @@ impl Frame {
     ///
     /// # Panics
     ///
-    /// If the camera or a light's map is larger than [`raster::MAX_SIZE`], or `aa` is out of its range.
+    /// If the camera or a light's map is larger than [`raster::MAX_SIZE`], or `aa` is out of its
+    /// range.
     pub fn render(&mut self, shot: &Shot<'_>) {
         let mut times = StageTimes::default();
         self.counters.clear();

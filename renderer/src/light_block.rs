@@ -124,8 +124,8 @@ fn positions_body(
 }
 
 levels!(
-    /// Texel coordinates u, v and nearness in a light's view of the pixels (x, y), (x + 1, y), ... of
-    /// a camera with the given nearness; u is NaN behind the light.
+    /// Texel coordinates u, v and nearness in a light's view of the pixels (x, y), (x + 1, y), ...
+    /// of a camera with the given nearness; u is NaN behind the light.
     warped, warped_body, (warp: &Warp, x: u32, y: u32, nearness: &Lane, seen: &mut [Lane; 3])
 );
 

@@ -127,8 +127,8 @@ impl Plan {
         }
     }
 
-    /// The views of the maps that are held at the same time and drawn before any others, group after
-    /// group.
+    /// The views of the maps that are held at the same time and drawn before any others, group
+    /// after group.
     #[must_use]
     pub fn first_maps(&self) -> Vec<&[View]> {
         match self {

@@ -40,9 +40,9 @@ pub struct MaskArgs {
     #[arg(long, value_name = "FILE")]
     pub camera_ids: Option<PathBuf>,
 
-    /// Geometric normals that the camera sees, in world space: .npy of shape (height, width, 3), .pfm
-    /// or .exr. Without them, planes are derived from neighbouring depths, which fails on parts
-    /// a pixel wide.
+    /// Geometric normals that the camera sees, in world space: .npy of shape (height, width, 3),
+    /// .pfm or .exr. Without them, planes are derived from neighbouring depths, which fails on
+    /// parts a pixel wide.
     #[arg(long, value_name = "FILE")]
     pub camera_normals: Option<PathBuf>,
 

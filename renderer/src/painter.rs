@@ -21,8 +21,8 @@ const BOUNCE: Vec3 = Vec3::new(0.085, 0.080, 0.075);
 /// What is seen where there is nothing, at the top and at the bottom of the picture, linear RGB.
 const BACKDROP: [Vec3; 2] = [Vec3::new(0.33, 0.39, 0.46), Vec3::new(0.68, 0.69, 0.69)];
 
-/// Facets that are kept: some times those that a row of pixels sees, since the next rows see most of
-/// them again.
+/// Facets that are kept: some times those that a row of pixels sees, since the next rows see most
+/// of them again.
 const KEPT: usize = 1024;
 
 /// Shades blocks of pixels of the camera.
@@ -63,8 +63,8 @@ impl<'a> Painter<'a> {
         &self.block.color
     }
 
-    /// Whether the pixels (x, y) to (x + count - 1, y) see nothing: all of them, and all such pixels of
-    /// a row, have the same colour.
+    /// Whether the pixels (x, y) to (x + count - 1, y) see nothing: all of them, and all such
+    /// pixels of a row, have the same colour.
     #[must_use]
     pub fn sees_nothing(&self, x: usize, y: usize, count: usize) -> bool {
         let triangles = &self.shading.map.ids()[self.pixels(x, y, count)];

@@ -188,8 +188,9 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// Writes to `triangles` those that one of `cameras` sees from a side that their material shows. The
-    /// others keep their place and get indices that no vertex has. `None` if all are shown anyway.
+    /// Writes to `triangles` those that one of `cameras` sees from a side that their material
+    /// shows. The others keep their place and get indices that no vertex has. `None` if all are
+    /// shown anyway.
     pub fn front_faces<'t>(
         &self,
         cameras: &[View],

@@ -8,8 +8,8 @@ use crate::painter::Painter;
 use crate::prepared::Prepared;
 use crate::tone::ToneTable;
 
-/// Rows of the picture that are shaded together: what one row sees, the next sees again. So few that
-/// threads end at about the same time.
+/// Rows of the picture that are shaded together: what one row sees, the next sees again. So few
+/// that threads end at about the same time.
 const ROWS: usize = 16;
 
 /// What is shaded.

@@ -91,8 +91,8 @@ impl Solids {
     }
 
     /// Those triangles of `mesh`, the scene's, that can be the nearest in one of `views`, listed in
-    /// `shown` with their `payload` as object ID; `None` if all can. If they are to `keep_places`, the
-    /// others stay in the list and get indices that no vertex has.
+    /// `shown` with their `payload` as object ID; `None` if all can. If they are to `keep_places`,
+    /// the others stay in the list and get indices that no vertex has.
     pub fn nearest<'t>(
         &self,
         level: Level,

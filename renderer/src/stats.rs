@@ -56,8 +56,8 @@ impl Milliseconds {
 }
 
 impl StageTimes {
-    /// The camera's pass and the lights' maps, drawn side by side, took `together` in all. It is shared
-    /// out by what either took, `of_camera` and what the maps have by now.
+    /// The camera's pass and the lights' maps, drawn side by side, took `together` in all. It is
+    /// shared out by what either took, `of_camera` and what the maps have by now.
     pub fn share(&mut self, together: Duration, of_camera: Duration) {
         let sum = (of_camera + self.light_maps).as_secs_f64();
         let part = if sum > 0.0 { of_camera.as_secs_f64() / sum } else { 0.0 };

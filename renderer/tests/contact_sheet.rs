@@ -16,8 +16,8 @@ use test_models::public_models;
 
 const SIDE: u32 = 256;
 
-/// Thin bars, foliage, interiors, terrain, clutter. The greatest share of pixels whose shadow is off
-/// by more than a half, and the root mean square of the difference, over both lights.
+/// Thin bars, foliage, interiors, terrain, clutter. The greatest share of pixels whose shadow is
+/// off by more than a half, and the root mean square of the difference, over both lights.
 const MODELS: [(&str, f32, f32); 10] = [
     ("folding_chair/foldingChair.obj", 0.004, 0.05),
     ("orchids/orchids.obj", 0.004, 0.05),

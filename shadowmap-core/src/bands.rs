@@ -96,8 +96,8 @@ pub fn for_each_band<B: Bands>(threads: Threads, bands: B, work: &(impl Fn(usize
     }
 }
 
-/// Calls `work(memory, index, band)` for every band of `bands`, with memory that each thread makes once
-/// by `start` and keeps from band to band.
+/// Calls `work(memory, index, band)` for every band of `bands`, with memory that each thread makes
+/// once by `start` and keeps from band to band.
 ///
 /// Threads take bands in order, each the next one when it is done with the last: bands may differ
 /// much in the work that they are. Results must depend neither on the order of the calls nor on

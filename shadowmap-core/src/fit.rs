@@ -22,11 +22,11 @@ pub struct Spread {
 
 /// The part of the image plane that a light's maps must hold: where `blockers` can throw a shadow,
 /// as far as it falls onto `receivers`, and what throws it. Both are the corners of triangles, or
-/// points whose convex hulls hold them. Receivers outside are lit, and a map of no more than this has
-/// its texels where they count.
+/// points whose convex hulls hold them. Receivers outside are lit, and a map of no more than this
+/// has its texels where they count.
 ///
-/// Give `None` for a set of which some point lies beside or behind the eye. What is not bounded then
-/// is infinite. `None` if nothing is bounded or there are no points.
+/// Give `None` for a set of which some point lies beside or behind the eye. What is not bounded
+/// then is infinite. `None` if nothing is bounded or there are no points.
 ///
 /// ```
 /// use shadowmap_core::{Spread, fit_extents};

@@ -37,10 +37,11 @@ impl Facet {
 }
 
 impl Camera<'_> {
-    /// Writes the unit normal of the surface in every pixel, derived from the nearness of the pixels
-    /// around it; zero where nothing is seen. For [`Surfaces::Normals`](crate::Surfaces::Normals):
-    /// neighbouring pixels on one plane get the very same normal here, and whatever takes pixels of
-    /// one plane together is faster than with [`Surfaces::FromDepth`](crate::Surfaces::FromDepth).
+    /// Writes the unit normal of the surface in every pixel, derived from the nearness of the
+    /// pixels around it; zero where nothing is seen. For
+    /// [`Surfaces::Normals`](crate::Surfaces::Normals): neighbouring pixels on one plane get the
+    /// very same normal here, and whatever takes pixels of one plane together is faster than with
+    /// [`Surfaces::FromDepth`](crate::Surfaces::FromDepth).
     ///
     /// # Panics
     ///

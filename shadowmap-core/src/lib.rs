@@ -9,10 +9,11 @@
 //! * [`Light`]: point, sphere, sun, linear, triangle, rectangle.
 //! * [`LightPoint`]: a receiver as a light's map sees it, position and tangent plane, and the
 //!   [`Bias`] that needs no tuning.
-//! * [`Camera`] and [`Warp`]: the receivers as a camera sees them, and their way into a light's map.
+//! * [`Camera`] and [`Warp`]: the receivers as a camera sees them, and their way into a light's
+//!   map.
 //! * [`Level`]: which SIMD instructions this machine has.
-//! * [`Threads`] and [`for_each_band`]: work split into bands of rows that never share one, with memory
-//!   per thread [`for_each_band_with`]; [`both`]: two stages side by side.
+//! * [`Threads`] and [`for_each_band`]: work split into bands of rows that never share one, with
+//!   memory per thread [`for_each_band_with`]; [`both`]: two stages side by side.
 //!
 //! # Conventions
 //!

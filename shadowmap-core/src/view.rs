@@ -62,10 +62,10 @@ pub struct View {
 }
 
 impl View {
-    /// A pin-hole camera with a square texel and a centred window, `vertical_fov` in radians, between
-    /// 0 and pi. Geometry nearer than `near` metres (along the view axis), which must be positive, is
-    /// not seen. Out of these ranges, as with a size of 0 or numbers that are not finite, nothing
-    /// panics, but what the view maps to means nothing.
+    /// A pin-hole camera with a square texel and a centred window, `vertical_fov` in radians,
+    /// between 0 and pi. Geometry nearer than `near` metres (along the view axis), which must be
+    /// positive, is not seen. Out of these ranges, as with a size of 0 or numbers that are not
+    /// finite, nothing panics, but what the view maps to means nothing.
     ///
     /// ```
     /// use glam::Vec3;
@@ -110,9 +110,9 @@ impl View {
     /// all, with the same image plane and window. This is the one from `eye`; `first` is the place
     /// of one of them, the same for all.
     ///
-    /// Such views share the rows V, N and Q, and U but for its constant. That holds to the last bit:
-    /// whatever `eye` is off the line, by rounding, counts for nothing. So what the views share can
-    /// be computed once.
+    /// Such views share the rows V, N and Q, and U but for its constant. That holds to the last
+    /// bit: whatever `eye` is off the line, by rounding, counts for nothing. So what the views
+    /// share can be computed once.
     #[must_use]
     pub fn perspective_rectified(
         first: Vec3,

@@ -63,8 +63,8 @@ impl<'a> LeafBands<'a> {
         Ok(LeafBands { nodes: BandSlice { data: nodes, len }, ids: BandSlice { data: ids, len } })
     }
 
-    /// Builds the leaves, of one band or of all, from a map that has the texels of their rows and no
-    /// others.
+    /// Builds the leaves, of one band or of all, from a map that has the texels of their rows and
+    /// no others.
     ///
     /// # Panics
     ///

@@ -34,11 +34,11 @@ impl Pyramid<'_> {
     /// Up to 64 receivers in sequence share one way down the pyramid if they lie within a hundred
     /// texels of each other (two hundred on one plane), look at most 1024 texels far, have the same
     /// ID test, no jitter and [`Key::Distance`]. If they look farther than 24 texels or lie farther
-    /// apart, those on one plane, eight or more, go together, and then the rest. Otherwise up to 16 of
-    /// them that lie within 24 texels of the first try again, and so do the others; of those that
-    /// still differ each searches for itself, with the hit of the one before (of the same side) as
-    /// its hint unless it brings its own. Best are blocks of 8 x 8 pixels in Morton order, in which
-    /// 16 in sequence are neighbours as well. Takes 10 KiB of stack.
+    /// apart, those on one plane, eight or more, go together, and then the rest. Otherwise up to 16
+    /// of them that lie within 24 texels of the first try again, and so do the others; of those
+    /// that still differ each searches for itself, with the hit of the one before (of the same
+    /// side) as its hint unless it brings its own. Best are blocks of 8 x 8 pixels in Morton order,
+    /// in which 16 in sequence are neighbours as well. Takes 10 KiB of stack.
     ///
     /// # Panics
     ///
@@ -234,8 +234,8 @@ impl<'q> Batch<'q> {
         }
     }
 
-    /// That of all, `None` if they are few, cannot be answered at once, or have coordinates that are
-    /// not finite.
+    /// That of all, `None` if they are few, cannot be answered at once, or have coordinates that
+    /// are not finite.
     #[inline(always)]
     fn reach(&self, map: &Map<'_>, seekers: &Seekers) -> Option<Reach> {
         if seekers.count < FEW || !self.plain || !Search::is_tiled(map) {

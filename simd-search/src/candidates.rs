@@ -175,8 +175,8 @@ impl Candidates<'_> {
         }
     }
 
-    /// Lets each of the receivers in `lanes` ask a whole tile, of which the texels in `sure` count for
-    /// all receivers in reach of them.
+    /// Lets each of the receivers in `lanes` ask a whole tile, of which the texels in `sure` count
+    /// for all receivers in reach of them.
     #[inline(always)]
     fn ask_tile(&mut self, ops: &impl Ops, tile: &Tile<'_>, lanes: u64, sure: u128) {
         let [x, y] = tile.first;

@@ -19,8 +19,8 @@ pub(crate) trait Descent {
     fn narrow(&self, test: &mut GroupTest);
     /// Nodes with greater keys are of no use.
     fn bound(&self) -> f32;
-    /// Those of the receivers in `among`, bit i for receiver i, that a node may hold the answer for:
-    /// one of the nodes of a group. They alone go into it.
+    /// Those of the receivers in `among`, bit i for receiver i, that a node may hold the answer
+    /// for: one of the nodes of a group. They alone go into it.
     fn concerned(
         &mut self,
         ops: &impl Ops,

@@ -95,8 +95,8 @@ pub(crate) struct SiftTest {
     pub to: f32,
     /// Greatest squared distance from them that is of use.
     pub reach_squared: f32,
-    /// For a column, the bounds rise by `slope` times its distance from u, and part by `spread` times
-    /// that.
+    /// For a column, the bounds rise by `slope` times its distance from u, and part by `spread`
+    /// times that.
     pub u: f32,
     pub slope: f32,
     pub spread: f32,

@@ -20,9 +20,9 @@
 //! ```
 //!
 //! A receiver that sees the light's centre asks for the nearest blocker ([`Side::Blocker`], the
-//! outer penumbra); one that does not, for the nearest texel that does not block ([`Side::Lit`], the
-//! inner penumbra). Object IDs can be excluded or required ([`IdTest`]), and what is minimised may
-//! be the distance or its ratio to the width of the penumbra ([`Key`]). Of equals the first in
+//! outer penumbra); one that does not, for the nearest texel that does not block ([`Side::Lit`],
+//! the inner penumbra). Object IDs can be excluded or required ([`IdTest`]), and what is minimised
+//! may be the distance or its ratio to the width of the penumbra ([`Key`]). Of equals the first in
 //! row-major order is the answer. [`Query::candidate`] is the definition, [`naive::nearest`] asks
 //! it of every texel in reach, and every other path gives the same texel with the same bits.
 //!
@@ -50,9 +50,9 @@
 //! # Neighbours together
 //!
 //! Neighbours find nearly the same texel. One search after the other can use that: the neighbour's
-//! hit is asked first, and bounds the search ([`Query::hint`]). [`Pyramid::nearest_each`] does more.
-//! It goes down the pyramid once for 64 receivers, from the nearest box to the farthest, with a
-//! plane below all of theirs and one above, and sorts the texels it meets:
+//! hit is asked first, and bounds the search ([`Query::hint`]). [`Pyramid::nearest_each`] does
+//! more. It goes down the pyramid once for 64 receivers, from the nearest box to the farthest, with
+//! a plane below all of theirs and one above, and sorts the texels it meets:
 //!
 //! ```text
 //!   . . . . . . . . a a b b      #  receivers
@@ -67,10 +67,11 @@
 //! is farther than it from every receiver. The few that are left (some 30 where a flat floor is
 //! shadowed) are asked by 16 receivers at once, one per lane. Where an object stands on the floor,
 //! or an edge runs through the block, the receivers of each plane go down by themselves. On curved
-//! surfaces many texels lie between the two planes: there each receiver compares its own plane with a
-//! box's bounds before anyone goes into it, then with the texels, again 16 receivers at once, and
-//! only those that some texel matters to ask: texel by texel or, where many are left, all of the box
-//! at once by one receiver after the other. A few that go into a box ask all of it without sorting.
+//! surfaces many texels lie between the two planes: there each receiver compares its own plane with
+//! a box's bounds before anyone goes into it, then with the texels, again 16 receivers at once, and
+//! only those that some texel matters to ask: texel by texel or, where many are left, all of the
+//! box at once by one receiver after the other. A few that go into a box ask all of it without
+//! sorting.
 //!
 //! [`Pyramid::classify`] tells only whether there are any boxes that can matter.
 //!

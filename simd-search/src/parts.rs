@@ -12,8 +12,8 @@ const FAR: f32 = 24.0;
 const LARGE: f32 = 96.0;
 /// ...and one of the planes has as many of them.
 const MANY: u32 = 8;
-/// Planes that are found, at most, and planes with fewer receivers, after which no others are looked
-/// for.
+/// Planes that are found, at most, and planes with fewer receivers, after which no others are
+/// looked for.
 const PLANES: usize = 4;
 const MISSES: u32 = 3;
 /// Slopes that differ by a smaller share are the same.
@@ -102,8 +102,8 @@ impl Parts {
     }
 }
 
-/// Whether receivers lie on several planes, and so far apart or from what they look at that those on
-/// one have more in common.
+/// Whether receivers lie on several planes, and so far apart or from what they look at that those
+/// on one have more in common.
 #[inline(always)]
 pub(crate) fn is_wide(reach: &Reach) -> bool {
     let Reach { u, v, radius, plane, spread, .. } = *reach;

@@ -82,8 +82,8 @@ impl Sure {
         Sure { ends, squares, less: most * (-1.0 / 524288.0) }
     }
 
-    /// Whether the texel is closer to each receiver than all others of a box, whose outermost texels
-    /// have their centres at `u` and `v`.
+    /// Whether the texel is closer to each receiver than all others of a box, whose outermost
+    /// texels have their centres at `u` and `v`.
     #[inline(always)]
     pub fn precedes_box(&self, u: [f32; 2], v: [f32; 2]) -> bool {
         // By how much the square of one distance exceeds that of another is a sum of one term for

@@ -169,8 +169,8 @@ impl<'a> Pyramid<'a> {
         Layout::new(width, height).groups
     }
 
-    /// The pyramid of `map`. Without `ids` (an empty slice) searches with an ID test find the same, but
-    /// are not narrowed by it.
+    /// The pyramid of `map`. Without `ids` (an empty slice) searches with an ID test find the same,
+    /// but are not narrowed by it.
     ///
     /// # Errors
     ///

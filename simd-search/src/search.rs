@@ -111,8 +111,8 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// Whether a map can be asked in tiles: one that holds any, and whose texels' centres are exact,
-    /// for else lanes would round differently.
+    /// Whether a map can be asked in tiles: one that holds any, and whose texels' centres are
+    /// exact, for else lanes would round differently.
     #[inline(always)]
     pub fn is_tiled(map: &Map<'_>) -> bool {
         (COLUMNS as u32..EXACT_EXTENT).contains(&map.width())

@@ -23,8 +23,8 @@ pub struct Visits {
 }
 
 impl Visits {
-    /// What [`crate::nearest`] looks at. With jitter, and in a map of fewer than 16 columns or 8 rows,
-    /// texels are compared one by one, and such are not counted.
+    /// What [`crate::nearest`] looks at. With jitter, and in a map of fewer than 16 columns or 8
+    /// rows, texels are compared one by one, and such are not counted.
     #[must_use]
     pub fn of_box<'a>(map: impl Into<Map<'a>>, query: &Query) -> Visits {
         counted(Job::InBox { map: map.into(), query, hit: &mut None })

@@ -61,8 +61,8 @@ fn blocks_of_neighbours() {
     assert!(found > 1000, "{found} hits");
 }
 
-/// Blocks of pixels on floors and on curved surfaces, in large maps and to their borders: most texels
-/// are passed over for all receivers at once.
+/// Blocks of pixels on floors and on curved surfaces, in large maps and to their borders: most
+/// texels are passed over for all receivers at once.
 #[test]
 fn blocks_that_look_far() {
     say_levels("blocks that look far");

@@ -95,7 +95,8 @@ pub use counters::Counters;
 pub use mask::{Found, Visibility};
 pub use shadowmap_core::{Camera, SizeError, Surface, Surfaces};
 
-/// The crates whose views, maps, levels and pyramids are taken here, in the versions that take them.
+/// The crates whose views, maps, levels and pyramids are taken here, in the versions that take
+/// them.
 pub use {shadowmap_core, simd_search};
 
 /// The examples of the README.

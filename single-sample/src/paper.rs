@@ -8,8 +8,8 @@
 //! * Section 3.3 says that both sides meet at 0.5 on the hard edge. Its pseudocode has both
 //!   inverted; here the outer side is `0.5 + 0.5 f`, rising to 1, the inner side `0.5 - 0.5 f`,
 //!   falling to 0.
-//! * Section 3.2 assigns `r_shrink` times the depth difference to `r_max`, section 3.3 multiplies by
-//!   it. Here it multiplies.
+//! * Section 3.2 assigns `r_shrink` times the depth difference to `r_max`, section 3.3 multiplies
+//!   by it. Here it multiplies.
 //! * The printed inner width uses the depth difference between the lit texel and the receiver,
 //!   which is 0 on a flat receiver: hence the ring in the paper's figure 7. The blocker's depth is
 //!   known where the receiver projects to, and serves both sides ([`InnerWidth`]).

@@ -31,8 +31,8 @@ pub fn only_full(arguments: &[String]) -> Option<bool> {
     }
 }
 
-/// Whether every tool must be there, as on the hosted machines: what is skipped elsewhere is then an
-/// error.
+/// Whether every tool must be there, as on the hosted machines: what is skipped elsewhere is then
+/// an error.
 pub fn skips_are_errors() -> bool {
     std::env::var_os("PENUMBRA_NO_SKIPS").is_some()
 }

@@ -26,7 +26,8 @@ on an emulated microcontroller.
 /// So much of an error is shown.
 const LINES: usize = 12;
 
-/// The targets beside this machine, as the command line calls them, and how the table of each is made.
+/// The targets beside this machine, as the command line calls them, and how the table of each is
+/// made.
 const TARGETS: [(&str, &Target, Table); 5] = [
     ("aarch64", &AARCH64, program),
     ("i686", &I686, program),

@@ -47,8 +47,8 @@ pub struct Disagreement {
 /// The samples of one frustum, from two at the light's ends to as many as it takes.
 ///
 /// Draw the maps of both ends, then one map for each [`AdaptiveSamples::trial`], and ask
-/// [`disagreement`]; [`AdaptiveSamples::answer`] says whether the trial becomes a sample. No map of a
-/// sample is ever drawn twice.
+/// [`disagreement`]; [`AdaptiveSamples::answer`] says whether the trial becomes a sample. No map of
+/// a sample is ever drawn twice.
 ///
 /// ```
 /// use linear_light::{AdaptiveOptions, AdaptiveSamples, Disagreement};
@@ -106,10 +106,11 @@ impl AdaptiveSamples {
     }
 }
 
-/// Asks every `options.stride`-th receiver of `camera` in the frustum `index` of `frusta` whether it
-/// sees the light at parameter `t`: the maps at both ends of a `segment` of the frustum, and `map`,
-/// which is taken from there ([`crate::SampleViews::trial_view`]) and may be smaller than they are.
-/// Receivers at an edge of the hard shadow, where that small map is not sure, are not asked.
+/// Asks every `options.stride`-th receiver of `camera` in the frustum `index` of `frusta` whether
+/// it sees the light at parameter `t`: the maps at both ends of a `segment` of the frustum, and
+/// `map`, which is taken from there ([`crate::SampleViews::trial_view`]) and may be smaller than
+/// they are. Receivers at an edge of the hard shadow, where that small map is not sure, are not
+/// asked.
 ///
 /// # Panics
 ///

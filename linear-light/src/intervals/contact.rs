@@ -29,8 +29,8 @@ pub(super) struct Contact {
 
 impl Contact {
     /// How far to the right it is of a receiver that was moved into the middle of the row, and of
-    /// the same receiver where it came from, `rows` further down: the receiver was moved through the
-    /// blocker if one of them is positive alone. `nearness` changes by `slope` per row.
+    /// the same receiver where it came from, `rows` further down: the receiver was moved through
+    /// the blocker if one of them is positive alone. `nearness` changes by `slope` per row.
     #[inline(always)]
     pub fn away(&self, column: f32, nearness: f32, slope: f32, rows: f32) -> [f32; 2] {
         let away = self.column - (column + self.shift * nearness);
@@ -97,8 +97,8 @@ impl Ground<'_> {
         }
     }
 
-    /// By how much the surface at column `x`, there `front` in front of the plane, rises from row to
-    /// row. 0 if neither the row above nor the one below shows it.
+    /// By how much the surface at column `x`, there `front` in front of the plane, rises from row
+    /// to row. 0 if neither the row above nor the one below shows it.
     fn rise(&self, x: usize, front: f32) -> f32 {
         let own = row_of(self.map, self.y)[x];
         let shown = |y: usize| {

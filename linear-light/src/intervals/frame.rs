@@ -10,8 +10,8 @@ use crate::{MAX_FRUSTA, SampleViews};
 /// One depth map of a linear light.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleMap<'a> {
-    /// Which point of the light the map is taken from: 0 at its first end, 1 at its last. The map is
-    /// that of [`SampleViews::view_at`].
+    /// Which point of the light the map is taken from: 0 at its first end, 1 at its last. The map
+    /// is that of [`SampleViews::view_at`].
     pub t: f32,
     /// The map.
     pub map: DepthMap<'a>,

@@ -76,8 +76,8 @@ impl Vertices {
 }
 
 impl Run {
-    /// What the texels in some columns of a row hide; if they stand on the receivers' plane, that is
-    /// added to `contacts`.
+    /// What the texels in some columns of a row hide; if they stand on the receivers' plane, that
+    /// is added to `contacts`.
     #[inline(always)]
     pub fn new(
         ops: impl Ops,

@@ -14,8 +14,8 @@ use crate::lanes::{INDEX, LANES, Ops, lanes, left_neighbours, max, min, texels};
 
 /// How far, in texels, a surface reaches beyond the centre of its last texel before a depth
 /// discontinuity. Anything from 0 to 1 is possible and 1/2 is right on average for an edge that one
-/// map shows; of two maps the union takes the one that reaches farther, and 1/3 is right. Most edges
-/// are shown by two.
+/// map shows; of two maps the union takes the one that reaches farther, and 1/3 is right. Most
+/// edges are shown by two.
 pub(super) const REACH: f32 = 0.36;
 
 /// Neighbouring texels belong to one surface if their nearness differs by at most this many times
@@ -90,8 +90,8 @@ pub(super) fn any_in_front(
     })
 }
 
-/// Appends the runs of row `y` of a map, which lie in the segments `found`; those ascend. Where runs
-/// stand on the receivers' plane is appended to `contacts`.
+/// Appends the runs of row `y` of a map, which lie in the segments `found`; those ascend. Where
+/// runs stand on the receivers' plane is appended to `contacts`.
 #[inline(always)]
 pub(super) fn scan(
     ops: impl Ops,

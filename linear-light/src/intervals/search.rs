@@ -39,7 +39,8 @@ impl Tilt {
         Tilt { a, b, ends: facing.ends, per_row, steep: per_row != slope }
     }
 
-    /// a, b, c and d for the map from parameter `t` of the light; the plane goes through a receiver.
+    /// a, b, c and d for the map from parameter `t` of the light; the plane goes through a
+    /// receiver.
     #[inline(always)]
     pub fn plane(&self, t: f32, [column, row, nearness]: [f32; 3]) -> [f32; 4] {
         let c = self.ends[0] + (self.ends[1] - self.ends[0]) * t;

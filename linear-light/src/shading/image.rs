@@ -12,11 +12,11 @@ use crate::views::choose;
 use crate::{Counters, MAX_FRUSTA};
 
 /// Writes the visibility of a light from every pixel of the camera, row-major. `frusta` are those
-/// of one light, at most [`MAX_FRUSTA`]. Pixels that see nothing get 0, and so do surfaces that turn away
-/// from the whole light.
+/// of one light, at most [`MAX_FRUSTA`]. Pixels that see nothing get 0, and so do surfaces that
+/// turn away from the whole light.
 ///
-/// The instructions are those that the channels of the first frustum were drawn with. Every level and
-/// every number of threads gives the same bits.
+/// The instructions are those that the channels of the first frustum were drawn with. Every level
+/// and every number of threads gives the same bits.
 ///
 /// # Panics
 ///
@@ -152,7 +152,8 @@ impl Image<'_> {
         shares
     }
 
-    /// What the receivers `of` see of the light in the maps of a frustum. Other lanes hold anything.
+    /// What the receivers `of` see of the light in the maps of a frustum. Other lanes hold
+    /// anything.
     #[inline(always)]
     fn seen(
         &self,

@@ -1,8 +1,8 @@
 //! Sixteen receivers at once: which samples of a rectified light see them.
 //!
-//! The same arithmetic as that of one receiver ([`crate::lookup::Sample`]), lane by lane. Loops stand
-//! where `map` of an array would be shorter: its closures are compiled on their own, without the
-//! caller's instructions.
+//! The same arithmetic as that of one receiver ([`crate::lookup::Sample`]), lane by lane. Loops
+//! stand where `map` of an array would be shorter: its closures are compiled on their own, without
+//! the caller's instructions.
 
 use shadowmap_core::{Bias, DepthMap, Warp};
 

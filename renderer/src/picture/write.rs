@@ -147,8 +147,8 @@ fn write_beside(folder: &Path, place: &Path, contents: &[u8]) -> io::Result<()> 
     #[cfg(target_os = "linux")]
     if let Some(mut file) = nameless(folder) {
         file.write_all(contents)?;
-        // Only what is whole gets a name, so that a killed run leaves nothing behind: the right one at
-        // once if it is free, else one for the moment until it takes the old file's.
+        // Only what is whole gets a name, so that a killed run leaves nothing behind: the right one
+        // at once if it is free, else one for the moment until it takes the old file's.
         if name(&file, place).is_ok() {
             return Ok(());
         }

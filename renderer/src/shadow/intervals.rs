@@ -1,4 +1,5 @@
-//! Interval visibility: the maps of a line, more of them where two do not suffice, and what they say.
+//! Interval visibility: the maps of a line, more of them where two do not suffice, and what they
+//! say.
 
 use linear_light::{
     AdaptiveOptions, AdaptiveSamples, FrustumMaps, INTERVAL_BIAS, RectifiedLight, SampleMap,

@@ -66,8 +66,8 @@ pub(crate) trait Ops {
     fn leaves(&self, tiles: &Tiles<'_>, slopes: &Slopes) -> Ranges;
     /// Bounds of a node with each of [`Family::slopes`].
     fn parent(&self, children: &NodeGroup, family: &Family) -> [Bounds; 2];
-    /// Those of the receivers in `among` that a node may hold the answer for by its bounds, bit i for
-    /// receiver i.
+    /// Those of the receivers in `among` that a node may hold the answer for by its bounds, bit i
+    /// for receiver i.
     fn concerned(&self, node: &Node, seekers: &Seekers, among: u64, lit: bool) -> u64;
     /// Those of the receivers in `lanes` that texels of a leaf may be the answer for.
     fn matters(
@@ -224,8 +224,8 @@ impl Job<'_> {
     }
 }
 
-/// Does a job with the kernels of `level`, and with those of [`Level::SCALAR`] where the level is of
-/// another architecture than this program.
+/// Does a job with the kernels of `level`, and with those of [`Level::SCALAR`] where the level is
+/// of another architecture than this program.
 #[allow(unsafe_code)]
 pub(crate) fn run(level: Level, job: Job<'_>) {
     match level.kind() {

@@ -259,7 +259,8 @@ fn in_unit(query: &Query, packed: bool) -> Query {
     query
 }
 
-/// Says which levels a test covered, past the test harness, which swallows what passing tests print.
+/// Says which levels a test covered, past the test harness, which swallows what passing tests
+/// print.
 pub fn say_levels(test: &str) {
     let names: Vec<_> = Level::available().map(|level| level.kind().name()).collect();
     let _ = writeln!(std::io::stderr(), "{test}: levels {}", names.join(", "));

@@ -22,9 +22,9 @@ const NEW: usize = 4;
 /// What no more tiles than this show is not worth being kept.
 const FEW: u32 = if cfg!(test) { 0 } else { 4 };
 
-/// A plane's room for the rounding of the receivers' own, relative to the greatest of what is added up
-/// to compare a texel with it: less would take tiles far from each other for different planes, and
-/// more the ground for something above itself.
+/// A plane's room for the rounding of the receivers' own, relative to the greatest of what is added
+/// up to compare a texel with it: less would take tiles far from each other for different planes,
+/// and more the ground for something above itself.
 const ROOM: f32 = 12.0 * ROUNDING;
 
 /// What is known of the cells around the tiles so far: 80 KiB.
@@ -79,8 +79,9 @@ impl Above {
         }
     }
 
-    /// The plane that all receivers of a tile with these planes share, in a map of that size without
-    /// texels nearer than `greatest`; `None` if there is no such plane, or few tiles have shown it.
+    /// The plane that all receivers of a tile with these planes share, in a map of that size
+    /// without texels nearer than `greatest`; `None` if there is no such plane, or few tiles have
+    /// shown it.
     #[inline(always)]
     pub fn plane(&mut self, planes: &Planes, size: [i32; 2], greatest: f32) -> Option<Plane> {
         let far = [size[0] as f32, size[1] as f32, greatest];
@@ -103,9 +104,9 @@ impl Above {
         (plane.tiles > FEW).then_some(plane)
     }
 
-    /// Which texels of the cell whose first one is `at` block all receivers on a plane; `None` if not
-    /// the same ones may block each of them. They do if all that is above the plane is `nearer` than
-    /// so: than the receivers, and than what is close to them.
+    /// Which texels of the cell whose first one is `at` block all receivers on a plane; `None` if
+    /// not the same ones may block each of them. They do if all that is above the plane is `nearer`
+    /// than so: than the receivers, and than what is close to them.
     #[inline(always)]
     pub fn blocking<T: Texel>(
         &mut self,
@@ -195,8 +196,8 @@ impl Plane {
         apart + rounding * (0.25 * ROUNDING) < self.room * 0.5
     }
 
-    /// The place of a cell in the [`Above`]: neighbours have different ones, and so has the same cell
-    /// for other planes.
+    /// The place of a cell in the [`Above`]: neighbours have different ones, and so has the same
+    /// cell for other planes.
     #[inline(always)]
     fn place(&self, at: [i32; 2]) -> usize {
         let [x, y] = at.map(|at| at.div_euclid(CELL as i32) as u32);

@@ -1,8 +1,8 @@
 //! Adaptive sampling (Brabec and Seidel 2002, section 4.3), within one tile of the image.
 //!
-//! The paper searches groups of pixels along some columns, and then along all rows between them. Here
-//! rows come first, for all columns between two rows can be looked at side by side; and what these
-//! need from a row between is searched in groups along that row, again.
+//! The paper searches groups of pixels along some columns, and then along all rows between them.
+//! Here rows come first, for all columns between two rows can be looked at side by side; and what
+//! these need from a row between is searched in groups along that row, again.
 //!
 //! Unlike in the paper, not only objects and hard shadow test results of a group's pixels decide
 //! whether it is interpolated, but also the values ([`super::rule`]).
@@ -91,8 +91,8 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The first and the last of each group from `first` to `last`, and another group's end; if there
-    /// is no other, the first.
+    /// The first and the last of each group from `first` to `last`, and another group's end; if
+    /// there is no other, the first.
     #[inline(always)]
     fn groups(&self, first: usize, last: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
         let group = self.group;

@@ -1,8 +1,8 @@
 //! Places that look different to some receivers of a group.
 //!
 //! Each receiver finds its own outline there. But by the bounds on the texels in the leaves of the
-//! pyramid, most are soon told to hold nothing that blocks it: on a curved surface each receiver's own
-//! surroundings lie below its plane.
+//! pyramid, most are soon told to hold nothing that blocks it: on a curved surface each receiver's
+//! own surroundings lie below its plane.
 
 use simd_search::Pyramid;
 

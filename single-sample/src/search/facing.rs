@@ -97,9 +97,9 @@ impl Surroundings<'_> {
         [x - AROUND as i32, y - AROUND as i32]
     }
 
-    /// Writes the rows of the block with NaN for close texels that surely face all of the receivers,
-    /// and with NaN for those that may face any. For one receiver both would be the same, and only the
-    /// first are written.
+    /// Writes the rows of the block with NaN for close texels that surely face all of the
+    /// receivers, and with NaN for those that may face any. For one receiver both would be the
+    /// same, and only the first are written.
     #[inline(always)]
     pub fn unfaced(&self, rows: &mut [[Row; BLOCK_ROWS]; 2]) {
         if self.is_one { self.unfaced_by::<1>(rows) } else { self.unfaced_by::<2>(rows) }
@@ -162,8 +162,8 @@ impl<const LENGTH: usize> Line<LENGTH> {
         Line { beyond, between }
     }
 
-    /// Bounds on what a texel's plane rises by from the receivers to the texel, with the slope before
-    /// the texel and the one after it.
+    /// Bounds on what a texel's plane rises by from the receivers to the texel, with the slope
+    /// before the texel and the one after it.
     #[inline(always)]
     fn rise<const ENDS: usize>(&self, i: usize, [before, after]: [f32; 2]) -> [f32; 2] {
         let rise = |beyond: f32| (if beyond > 0.0 { after } else { before }) * beyond;

@@ -11,9 +11,9 @@
 //! ```
 //!
 //! with the sign of the step (towards a blocker as rho grows: plus), and the whole disc is added
-//! if its centre is blocked. For a straight segment the integral of rho² is the cross product of its
-//! ends, so it contributes `(angle - cross) / 2`. One straight edge across the whole disc gives the
-//! circular segment, the falloff of [`crate::disc::disc_fraction`].
+//! if its centre is blocked. For a straight segment the integral of rho² is the cross product of
+//! its ends, so it contributes `(angle - cross) / 2`. One straight edge across the whole disc gives
+//! the circular segment, the falloff of [`crate::disc::disc_fraction`].
 
 use core::ops::Range;
 
@@ -120,8 +120,8 @@ fn add_up(sums: &[i32; LANES]) -> i32 {
 /// What segments contribute.
 pub(crate) struct Sum {
     pub total: i32,
-    /// A radius in texels which the disc has at least at any blocker in reach, and at those around it
-    /// that are looked for: infinite if there is none.
+    /// A radius in texels which the disc has at least at any blocker in reach, and at those around
+    /// it that are looked for: infinite if there is none.
     pub disc: f32,
 }
 

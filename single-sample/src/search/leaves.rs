@@ -15,7 +15,8 @@ const HEIGHT: i32 = Pyramid::LEAF[1] as i32;
 const GROUP: i32 = Pyramid::GROUP as i32;
 const LANES: usize = (GROUP * GROUP) as usize;
 
-/// Leaves along each side of [`Leaves`], at most. Few in tests, for small maps to have several parts.
+/// Leaves along each side of [`Leaves`], at most. Few in tests, for small maps to have several
+/// parts.
 const SIDE: usize = if cfg!(test) { 12 } else { 64 };
 /// Columns and rows of places that surely fit.
 const MOST_PLACES: [i32; 2] =
@@ -36,9 +37,9 @@ pub(crate) const CELLS: [[f32; LANES]; 2] = {
 /// Room for rounding, in texels.
 const ROOM: f32 = 0.5;
 
-/// How far segments may run before the leaves that all of their blockers are in. Those lie along the
-/// far sides of a cell, and segments that cut its corner are no longer than half of a side each way,
-/// or else stray too far from a straight connection.
+/// How far segments may run before the leaves that all of their blockers are in. Those lie along
+/// the far sides of a cell, and segments that cut its corner are no longer than half of a side each
+/// way, or else stray too far from a straight connection.
 const BEFORE: f32 = CELL as f32 * 0.5;
 
 /// What receivers ask of a leaf.
@@ -76,9 +77,9 @@ impl LeafTest {
         }
     }
 
-    /// Which leaves of a group may hold blockers, in which all texels block all receivers, which are
-    /// likely to hold any that block all, and which may hold blockers that are close to receivers: of
-    /// leaf i, bit i. `first` is the centre of the group's first texel.
+    /// Which leaves of a group may hold blockers, in which all texels block all receivers, which
+    /// are likely to hold any that block all, and which may hold blockers that are close to
+    /// receivers: of leaf i, bit i. `first` is the centre of the group's first texel.
     #[inline(always)]
     fn judge(&self, first: [f32; 2], nodes: &NodeGroup) -> [u32; 4] {
         // Two answers in one number: their bits are brought together only once.
@@ -221,8 +222,8 @@ impl Leaves {
         }
     }
 
-    /// Finds the leaves of `places`, no more than [`MOST_PLACES`], that may hold blockers of some of
-    /// the receivers, given all at once and maybe in parts; false if there are none.
+    /// Finds the leaves of `places`, no more than [`MOST_PLACES`], that may hold blockers of some
+    /// of the receivers, given all at once and maybe in parts; false if there are none.
     #[inline(always)]
     pub fn find(&mut self, pyramid: &Pyramid<'_>, test: &LeafTest, places: Places) -> bool {
         // Places of a leaf touch the texels of the next leaf, too.

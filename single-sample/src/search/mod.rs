@@ -19,16 +19,16 @@
 //! 3. Cell by cell of 8 x 8 texels, the outline of the blocking texels becomes one or two straight
 //!    segments where it is simple, and the pieces of marching squares where it is not. Each
 //!    contributes the integral of `1 - rho²` over the angle that its part within the disc spans.
-//!    Straight edges give the disc's circular segment, the "sinusoid" of section 6; layers, corners,
-//!    thin bars and both sides of the hard edge need no cases of their own.
+//!    Straight edges give the disc's circular segment, the "sinusoid" of section 6; layers,
+//!    corners, thin bars and both sides of the hard edge need no cases of their own.
 //! 4. What the receiver's own horizon cuts off the disc is a circular segment too. All blockers are
 //!    above the horizon, so it is simply subtracted.
-//! 5. The pyramid over the map bounds how far a search needs to go by the nearest depth in reach, and
-//!    tells where texels may block. Receivers of a tile that share a plane, or an object of many
-//!    planes, share an outline, but for places that look different to some. Tiles that show the same
-//!    plane share what they find in a cell.
-//! 6. Where neighbouring pixels agree, searches are replaced by interpolation ([`Parameters::group`],
-//!    section 4.3). The horizon never is.
+//! 5. The pyramid over the map bounds how far a search needs to go by the nearest depth in reach,
+//!    and tells where texels may block. Receivers of a tile that share a plane, or an object of
+//!    many planes, share an outline, but for places that look different to some. Tiles that show
+//!    the same plane share what they find in a cell.
+//! 6. Where neighbouring pixels agree, searches are replaced by interpolation
+//!    ([`Parameters::group`], section 4.3). The horizon never is.
 //!
 //! Contributions are summed as integers, so that neither the order nor the number of lanes nor the
 //! part of the map that is looked at changes a bit.
@@ -91,14 +91,14 @@ pub struct Parameters {
     pub radius: f32,
     /// Groups of `group + 1` pixels along every `group`-th row, and then along the columns between
     /// these rows, are interpolated where the pixels see one object and have one hard shadow test
-    /// result, or are all amid a penumbra far wider than the group is long. The paper's is 4, begins
-    /// with columns, and knows no such penumbrae; 1 searches every pixel; at most 15.
+    /// result, or are all amid a penumbra far wider than the group is long. The paper's is 4,
+    /// begins with columns, and knows no such penumbrae; 1 searches every pixel; at most 15.
     pub group: u32,
     /// The greatest difference of visibility between the ends of an interpolated group; and twice
     /// what its middle, once searched, may be off a straight line for all of it to be interpolated
-    /// nevertheless, on a parabola. The paper has no such limit: 1. Where blockers are so close that
-    /// the light's disc is not far wider than a group, or the next known pixel tells that it is bent,
-    /// its middle is searched whatever the ends are.
+    /// nevertheless, on a parabola. The paper has no such limit: 1. Where blockers are so close
+    /// that the light's disc is not far wider than a group, or the next known pixel tells that it
+    /// is bent, its middle is searched whatever the ends are.
     pub tolerance: f32,
     /// Tolerance of the depth comparisons.
     pub bias: Bias,
@@ -134,8 +134,8 @@ impl Parameters {
 ///
 /// # Panics
 ///
-/// If `out` has another length than the camera has pixels, or the pyramid is of a map of another size
-/// than the light's.
+/// If `out` has another length than the camera has pixels, or the pyramid is of a map of another
+/// size than the light's.
 pub fn visibility<V: Visibility>(
     level: Level,
     threads: Threads,
@@ -159,7 +159,8 @@ pub fn visibility<V: Visibility>(
 }
 
 /// The visibility at pixel (x, y) without anything that makes it fast: no pyramid, no tiles, all
-/// of the map. What [`visibility`] gives for a `group` of 1, bit for bit, for maps of finite nearness.
+/// of the map. What [`visibility`] gives for a `group` of 1, bit for bit, for maps of finite
+/// nearness.
 ///
 /// # Panics
 ///

@@ -116,8 +116,8 @@ fn cell_of_blocks(block: &Bits, next: &Bits, right: usize) -> CellBits {
     }
 }
 
-/// Which texels of a cell block the receiver in `extent` that has this test; none if none of them is
-/// in `reach` ([`Test::in_reach`]).
+/// Which texels of a cell block the receiver in `extent` that has this test; none if none of them
+/// is in `reach` ([`Test::in_reach`]).
 #[inline(always)]
 pub(crate) fn cell_bits<T: Texel>(
     ops: &impl Ops,
@@ -148,8 +148,8 @@ pub(crate) fn cell_bits<T: Texel>(
     cell(&passing)
 }
 
-/// Which texels of a block pass the tests and do not face the receivers, of which some may be `close`
-/// to blockers.
+/// Which texels of a block pass the tests and do not face the receivers, of which some may be
+/// `close` to blockers.
 #[inline(always)]
 fn blocking<T: Texel, const TESTS: usize>(
     ops: &impl Ops,

@@ -228,8 +228,8 @@ impl<T: Texel> Draft<'_, T> {
         true
     }
 
-    /// Adds a cell with what is known to be above a plane; false if it must be looked at, or there is
-    /// no room.
+    /// Adds a cell with what is known to be above a plane; false if it must be looked at, or there
+    /// is no room.
     #[inline(always)]
     fn add_known(
         &mut self,

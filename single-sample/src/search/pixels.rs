@@ -8,8 +8,8 @@ use super::kernels::{Ops, Work};
 use super::soa::Lane;
 use super::surfaces::{Distinct, Memo, each_run};
 
-/// A value per pixel and arbitrary ones after them, so that runs of pixels can be set a whole row at a
-/// time.
+/// A value per pixel and arbitrary ones after them, so that runs of pixels can be set a whole row
+/// at a time.
 type Padded<T> = [T; COUNT + TILE];
 
 /// What the camera sees in a tile.

@@ -42,8 +42,8 @@ impl Recent {
         Recent { cells: [Cell::NONE; CELLS], segments: [Segment::NONE; CAPACITY], len: 0 }
     }
 
-    /// Adds what [`outline`] does to `segments`, if that is wanted given its bounds. There must be room
-    /// for it.
+    /// Adds what [`outline`] does to `segments`, if that is wanted given its bounds. There must be
+    /// room for it.
     #[inline(always)]
     pub fn outline<T: Texel>(
         &mut self,

@@ -1,13 +1,13 @@
 //! When the pixels of a group are interpolated.
 //!
-//! All of them must show one object. Their hard shadow test must have one result, too, unless the group
-//! lies within a penumbra: blockers are in reach, and discs are wide for its length.
+//! All of them must show one object. Their hard shadow test must have one result, too, unless the
+//! group lies within a penumbra: blockers are in reach, and discs are wide for its length.
 //!
-//! A group whose ends are close needs no look at its middle if its ends' discs are far wider than it is
-//! long: what blocks between them hides as much of theirs. And if a parabola through them and the next
-//! known pixel is flat there: a ridge may lie between two penumbrae. Others do, and are interpolated if
-//! a straight line comes close to it; the interpolation goes through it. But if all three are close,
-//! no penumbra may fit between them, unless the group is short.
+//! A group whose ends are close needs no look at its middle if its ends' discs are far wider than
+//! it is long: what blocks between them hides as much of theirs. And if a parabola through them and
+//! the next known pixel is flat there: a ridge may lie between two penumbrae. Others do, and are
+//! interpolated if a straight line comes close to it; the interpolation goes through it. But if all
+//! three are close, no penumbra may fit between them, unless the group is short.
 
 use super::soa::Receivers;
 use crate::math::sqrt;
@@ -57,8 +57,8 @@ impl Rule<'_> {
         room.is_full & self.is_level(ends)
     }
 
-    /// Whether a group is interpolated whose middle is off a straight line by `bend`. `room` is that
-    /// between the middle and the ends.
+    /// Whether a group is interpolated whose middle is off a straight line by `bend`. `room` is
+    /// that between the middle and the ends.
     #[inline(always)]
     pub fn fits(&self, ends: &[f32; 2], bend: f32, room: Room, length: usize) -> bool {
         let is_straight = bend.abs() <= self.tolerance * BEND;
@@ -86,8 +86,8 @@ pub(crate) struct Beyond {
     is_before: bool,
     /// The length of the group, in ways from that pixel to the nearer end.
     length: f32,
-    /// What a parabola through the three is off a straight line in the middle of the group, relative to
-    /// how much more it would rise along a group there than along this one.
+    /// What a parabola through the three is off a straight line in the middle of the group,
+    /// relative to how much more it would rise along a group there than along this one.
     bend: f32,
 }
 

@@ -1,5 +1,5 @@
-//! Groups of pixels along columns, side by side: what [`super::adaptive`] does to a group along a row,
-//! done to all of them at once.
+//! Groups of pixels along columns, side by side: what [`super::adaptive`] does to a group along a
+//! row, done to all of them at once.
 
 use super::adaptive::{COUNT, Samples, TILE};
 use super::curve::{Curve, Curves};
@@ -65,8 +65,8 @@ impl Samples {
         self.halve_strip([middle, last, first], others, rule);
     }
 
-    /// Interpolates the groups in some columns whose ends are close, and asks for the middles of the
-    /// others.
+    /// Interpolates the groups in some columns whose ends are close, and asks for the middles of
+    /// the others.
     #[inline(always)]
     fn halve_strip(&mut self, [first, last, outer]: [usize; 3], columns: u16, rule: &Rule<'_>) {
         let length = last - first;
@@ -100,8 +100,8 @@ impl Samples {
         }
     }
 
-    /// Interpolates what lies between two rows of a strip, in some columns. No group will end there:
-    /// nobody will ask for these pixels' discs.
+    /// Interpolates what lies between two rows of a strip, in some columns. No group will end
+    /// there: nobody will ask for these pixels' discs.
     #[inline(always)]
     fn interpolate_strip(
         &mut self,
@@ -123,7 +123,8 @@ impl Samples {
         }
     }
 
-    /// The columns all of whose pixels from one row to another agree, some of them `within` a penumbra.
+    /// The columns all of whose pixels from one row to another agree, some of them `within` a
+    /// penumbra.
     #[inline(always)]
     fn columns_agree(&self, first: usize, last: usize, within: u16) -> u16 {
         let agree = |same: &Bits| same[first..last].iter().fold(u16::MAX, |all, row| all & row);

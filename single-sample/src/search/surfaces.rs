@@ -13,8 +13,8 @@ pub(crate) const SURFACES: usize = 32;
 /// Places of the hash table that finds them.
 const SLOTS: usize = 4 * SURFACES;
 
-/// What pixels of one plane have in common: the object's ID, then the bits of the normal. One object
-/// hardly ever shows parallel planes.
+/// What pixels of one plane have in common: the object's ID, then the bits of the normal. One
+/// object hardly ever shows parallel planes.
 type Surface = u128;
 
 /// The surfaces of a tile, and where they are.
@@ -131,8 +131,8 @@ impl Memo {
     }
 }
 
-/// Calls `each` with every run of a tile's pixels, the first pixel of which, unless it is the tile's,
-/// `is_new`.
+/// Calls `each` with every run of a tile's pixels, the first pixel of which, unless it is the
+/// tile's, `is_new`.
 #[inline(always)]
 pub(crate) fn each_run(is_new: impl Fn(usize) -> bool, mut each: impl FnMut(Range<usize>)) {
     const WORD: usize = u64::BITS as usize;

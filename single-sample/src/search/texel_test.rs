@@ -40,8 +40,8 @@ impl Test {
     /// Passes all texels of a cell whose middle is `towards`, and not the receiver's own, that may
     /// have a part in what hides some of the disc.
     ///
-    /// A texel at the distance d does if the disc's radius there is at least d. The distance is no less
-    /// than the offset's part in any one direction: the cell's.
+    /// A texel at the distance d does if the disc's radius there is at least d. The distance is no
+    /// less than the offset's part in any one direction: the cell's.
     #[inline(always)]
     pub fn in_reach(seen: &Seen, towards: [f32; 2]) -> Test {
         // Vertices are less than 4 texels from where their blockers are.

@@ -1,7 +1,7 @@
 use super::*;
 
-/// A box 2 metres wide, 1.5 high and 1 deep on a ground, and where its front faces: the front's plane
-/// cuts the light in the middle and crosses rows and columns of the maps.
+/// A box 2 metres wide, 1.5 high and 1 deep on a ground, and where its front faces: the front's
+/// plane cuts the light in the middle and crosses rows and columns of the maps.
 fn box_on_ground(yaw: f32) -> (Scene, Vec3) {
     let v = Vec3::new;
     let (along, normal) = (v(yaw.sin(), 0.0, -yaw.cos()), v(yaw.cos(), 0.0, yaw.sin()));
@@ -17,8 +17,8 @@ fn box_on_ground(yaw: f32) -> (Scene, Vec3) {
     (scene, normal)
 }
 
-/// What a point of the ground sees that lies `distance` in front of the box: rays to what of the light
-/// is behind the front's plane pass through it below the top, or above.
+/// What a point of the ground sees that lies `distance` in front of the box: rays to what of the
+/// light is behind the front's plane pass through it below the top, or above.
 fn beside_box_on_paper(distance: f32, yaw: f32) -> f32 {
     let behind = distance * (4.0 - 1.5) / 1.5 / yaw.cos();
     0.5 + 0.5 * behind

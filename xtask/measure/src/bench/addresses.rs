@@ -1,7 +1,8 @@
 //! The same addresses in every run.
 //!
-//! Where program and memory happen to lie changes what branches and cache lines collide, and with it
-//! some ratios by 5 to 10 per cent for a whole run. Kernels choose that at random unless told not to.
+//! Where program and memory happen to lie changes what branches and cache lines collide, and with
+//! it some ratios by 5 to 10 per cent for a whole run. Kernels choose that at random unless told
+//! not to.
 
 use std::fs;
 #[cfg(unix)]

@@ -5,9 +5,9 @@
 //! taken within a round: they hold to a few per cent where absolute times do not.
 //!
 //! What a visit measures is a program that does the same thing again and again: it first runs
-//! without being timed until caches hold what the variant needs and its threads are awake, then runs
-//! for some milliseconds and keeps the median. Rounds are repeated until the ratios are known well
-//! enough, so short and steady variants are done soon.
+//! without being timed until caches hold what the variant needs and its threads are awake, then
+//! runs for some milliseconds and keeps the median. Rounds are repeated until the ratios are known
+//! well enough, so short and steady variants are done soon.
 
 use std::time::{Duration, Instant};
 

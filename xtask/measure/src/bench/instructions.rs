@@ -1,5 +1,5 @@
-//! Instruction counts of the stages, by valgrind's callgrind: the same for the same program, whatever
-//! else the machine does, and so what regressions are checked by.
+//! Instruction counts of the stages, by valgrind's callgrind: the same for the same program,
+//! whatever else the machine does, and so what regressions are checked by.
 //!
 //! The program runs itself under callgrind, which ends one part of its output at each call of
 //! [`mark`]. Callgrind knows no AVX-512: the widest level there is AVX2.

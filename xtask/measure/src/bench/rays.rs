@@ -1,4 +1,5 @@
-//! What methods are measured beside: rays from what a camera sees to a light, and the truth by many.
+//! What methods are measured beside: rays from what a camera sees to a light, and the truth by
+//! many.
 
 use reference::{Receivers, Samples, Tracer};
 use shadowmap_core::{Light, Mesh, Threads, View};

@@ -39,7 +39,8 @@ pub fn figure_6(effort: &Effort) -> Section {
     let light = stage.light(is_sphere);
     let radii: &[f32] =
         if effort.quick { &[5.0, 20.0, 40.0] } else { &[2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0] };
-    // A light of radius 1 m has so many texels of penumbra on the ground, below the highest blocker.
+    // A light of radius 1 m has so many texels of penumbra on the ground, below the highest
+    // blocker.
     let (view, map) = stage.light_map(light, &search());
     let nearest = map.nearness.iter().copied().fold(0.0, f32::max);
     let per_metre = view.focal().x * (nearest - 1.0 / RECEIVER_DEPTH);
