@@ -43,8 +43,7 @@ pub struct Shot<'a> {
     /// The camera, `aa` times as large as the picture along each axis, at most
     /// [`raster::MAX_SIZE`].
     pub camera: &'a View,
-    /// Pixels of the camera per pixel of the picture along each axis, from 1 to
-    /// [`MAX_AA`](crate::shade::MAX_AA).
+    /// Pixels of the camera per pixel of the picture along each axis, from 1 to 16.
     pub aa: u32,
     /// The lights.
     pub lights: &'a [LightJob],

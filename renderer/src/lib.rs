@@ -8,7 +8,7 @@
 //! 3. [`camera`] and [`lighting`]: where the picture is taken from, which method draws each light,
 //!    and where its depth maps are taken from ([`light_views`]).
 //! 4. [`frame`]: the camera's pass, the depth maps, the visibility of every light from every
-//!    pixel, and the picture ([`shade`]). A [`frame::Frame`] keeps its memory from frame to frame.
+//!    pixel, and the picture. A [`frame::Frame`] keeps its memory from frame to frame.
 //!
 //! The number of threads and the SIMD level never change a bit of a result.
 //!
@@ -35,7 +35,7 @@
 //! ```
 #![deny(unsafe_code)]
 
-pub mod backdrops;
+mod backdrops;
 pub mod builtin;
 pub mod camera;
 #[cfg(feature = "program")]
@@ -45,9 +45,9 @@ pub mod compare;
 pub mod cover;
 pub mod default_light;
 mod drawing;
-pub mod emitters;
+mod emitters;
 mod error;
-pub mod faces;
+mod faces;
 mod facet;
 pub mod frame;
 mod hull;
@@ -73,11 +73,11 @@ pub mod render;
 pub mod scene;
 #[cfg(feature = "program")]
 pub mod settings;
-pub mod shade;
+mod shade;
 mod shadow;
 pub mod shapes;
 mod show;
-pub mod solids;
+mod solids;
 pub mod stats;
 mod tone;
 pub mod values;

@@ -29,7 +29,7 @@ pub struct ByHand {
 
 /// The views, one or several, that a light's middle needs so that maps of `size` times `size`
 /// texels cover what can block it and what is seen of that. A receiver belongs to the view whose
-/// axis is nearest to it ([`crate::faces`]).
+/// axis is nearest to it.
 ///
 /// `by_hand` replaces the fit for lights that have a place.
 #[must_use]

@@ -84,12 +84,12 @@ impl<'a> Prepared<'a> {
     }
     /// The planes that hide nothing from a light on the scene's side of them.
     #[must_use]
-    pub fn backdrops(&self) -> &Backdrops {
+    pub(crate) fn backdrops(&self) -> &Backdrops {
         &self.backdrops
     }
     /// The closed surfaces.
     #[must_use]
-    pub fn solids(&self) -> &Solids {
+    pub(crate) fn solids(&self) -> &Solids {
         &self.solids
     }
     /// Geometric normal and object ID of each triangle, at its index + 1: what a camera pass with
