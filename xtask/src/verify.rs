@@ -2,7 +2,7 @@
 //! table.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -210,9 +210,23 @@ fn program(toolchain: &Toolchain, target: &Target) -> Result<String, String> {
 fn module(toolchain: &Toolchain, target: &Target) -> Result<String, String> {
     output(toolchain.cargo(target, "build --quiet --release -p verify --lib"))?;
     let folder = toolchain.target_folder(target).join(target.triple).join("release");
+    let module = folder.join("verify.wasm");
+    // One function with SIMD makes a whole module need it.
+    let has_simd = mentions_simd(&module)?;
+    if has_simd != target.flags.contains("+simd128") {
+        return Err(format!("the module {} SIMD", if has_simd { "needs" } else { "is without" }));
+    }
     let mut node = Command::new("node");
-    node.arg("tests/verify/run.mjs").arg(folder.join("verify.wasm"));
+    node.arg("tests/verify/run.mjs").arg(module);
     output(node)
+}
+
+/// Whether SIMD is among the features that a WebAssembly module says it uses.
+fn mentions_simd(module: &Path) -> Result<bool, String> {
+    let bytes = fs::read(module).map_err(|error| format!("{}: {error}", module.display()))?;
+    // A sign, the length of the name, and the name.
+    let feature = b"+\x07simd128";
+    Ok(bytes.windows(feature.len()).any(|part| part == feature))
 }
 
 /// The one hash of the microcontroller, and what it took.
