@@ -31,7 +31,7 @@ struct Beyond {
 }
 
 /// The widest tangent of all: a quarter of a degree from the light's line.
-const LAST_TANGENT: f64 = 256.0;
+pub(crate) const LAST_TANGENT: f64 = 256.0;
 
 /// How far the frusta beyond an end reach back over it, for what stands close to the light.
 const BACK: f64 = 2.0;

@@ -5,6 +5,7 @@ use shadowmap_core::{Bias, Camera, DepthMap, Plane, View, Warp};
 
 use super::bounds::Bounds;
 use super::scan::STEEPEST;
+use crate::rectified::LAST_TANGENT;
 use crate::{MAX_FRUSTA, SampleViews};
 
 /// One depth map of a linear light.
@@ -51,7 +52,8 @@ pub(super) struct Beyond {
     pub planes: [[f32; 4]; 2],
     /// The column straight across from where the map is taken.
     pub center: f32,
-    /// How far from it a column may be as the far end of the light sees it.
+    /// How far from it a column may be as the far end of the light sees it. There is no limit to a
+    /// window that ends where no shadow falls: what lies outside of it is lit.
     pub most: f32,
 }
 
@@ -66,11 +68,13 @@ impl<'a> Frustum<'a> {
             |plane: Plane| [0, 1, 2, 3].map(|column| plane.side_of(pull.map(|row| row[column])));
         let window = maps.views.window();
         let center = -window.left * focal.x;
+        let is_cut = f64::from(window.right.max(-window.left)) >= LAST_TANGENT;
+        // Half a texel inside the map.
+        let last = center.max(middle.width() as f32 - center) - 0.5;
         let beyond = maps.views.beyond().map(|planes| Beyond {
             planes: planes.map(in_camera),
             center,
-            // Half a texel inside the map.
-            most: center.max(middle.width() as f32 - center) - 0.5,
+            most: if is_cut { last } else { f32::INFINITY },
         });
         Frustum {
             samples: maps.samples,

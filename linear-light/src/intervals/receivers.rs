@@ -7,6 +7,10 @@ use crate::lanes::{INDEX, LANES, Lanes, Ops, lanes, max, min};
 /// One bit per pixel of a block, row after row.
 pub(super) type Pixels = u128;
 
+/// Receivers beyond an end of the light that are less than this many rows beside the first or the
+/// last row of the maps count as this many rows inside.
+const EDGE: f32 = 0.25;
+
 const _: () = assert!(LANES * BAND == Pixels::BITS as usize);
 
 /// Those of `pixels` in row `y` of the block.
@@ -66,9 +70,13 @@ impl Receivers {
             let mut w = times(warp_row(&frustum.warp[2], at, nearness), &one);
             (self.unmoved[0][row], self.unmoved[1][row]) = (u, w);
             if let Some(beyond) = &frustum.beyond {
-                away_from_line(ops, beyond, frustum.disparity, &mut u, &mut w);
-                // So close to the line, rounding carries receivers over the frustum's sides.
-                v = lanes(|i| min(max(v[i], 0.25), height[i] - 0.25));
+                let moved = away_from_line(ops, beyond, frustum.disparity, &mut u, &mut w);
+                // Rounding carries receivers over the frustum's sides: any that are so close to the
+                // line, others by a little.
+                let beside = ops.greater(&v, &[-EDGE; LANES])
+                    & ops.greater(&lanes(|i| height[i] + EDGE), &v);
+                let kept = lanes(|i| min(max(v[i], EDGE), height[i] - EDGE));
+                v = ops.select(moved | beside, &kept, &v);
             }
             let inside = ops.greater(&q, &none)
                 & ops.greater(&v, &none)
@@ -136,7 +144,7 @@ impl Extent {
 }
 
 /// Moves receivers that are too close to the light's line for the maps to show away from it, to
-/// where the maps end: a quarter of a degree at most.
+/// where the maps end: a quarter of a degree at most. Returns which were moved.
 #[inline(always)]
 fn away_from_line(
     ops: impl Ops,
@@ -144,13 +152,14 @@ fn away_from_line(
     disparity: f32,
     column: &mut Lanes,
     nearness: &mut Lanes,
-) {
+) -> u32 {
     let (center, most) = (beyond.center, beyond.most);
     let far = lanes(|i| (column[i] - center).abs() + 0.5 * disparity * nearness[i]);
-    let kept = lanes(|i| most / far[i]);
-    let kept = ops.select(ops.greater(&far, &[most; LANES]), &kept, &[1.0; LANES]);
+    let moved = ops.greater(&far, &[most; LANES]);
+    let kept = ops.select(moved, &lanes(|i| most / far[i]), &[1.0; LANES]);
     *column = lanes(|i| center + (column[i] - center) * kept[i]);
     *nearness = lanes(|i| nearness[i] * kept[i]);
+    moved
 }
 
 /// One row of a warp for sixteen pixels from (x, y) on.

@@ -9,6 +9,7 @@ use shadowmap_core::{Camera, Level, Mesh, Surface, Surfaces, Threads, View};
 use super::*;
 use crate::{RectifiedLight, SampleViews};
 
+mod beside;
 mod contacts;
 
 const LIGHT: [Vec3; 2] = [Vec3::new(-1.0, 4.0, 0.0), Vec3::new(1.0, 4.0, 0.0)];
