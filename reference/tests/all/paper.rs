@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 use reference::{Samples, Tracer};
-use shadowmap_core::{Light, Threads};
+use shadowmap_core::{Light, Threads, View};
 
 use crate::scenes::{Scene, blocker, camera};
 
@@ -155,5 +155,41 @@ fn holes_let_light_through() {
     for count in [4, 8, 4096] {
         let found = tracer.visibility_at(&light, Vec3::ZERO, Vec3::Y, Samples::Fixed(count));
         assert_eq!(found, 0.25, "{count} samples");
+    }
+}
+
+/// A millimetre or a thousand kilometres: a low plate hides the light, and a slope does not hide it
+/// from itself.
+#[test]
+fn scenes_of_every_size() {
+    for scale in [1e-4, 1e-3, 1.0, 1e2, 1e4, 1e6_f32] {
+        let light = Light::Sphere { center: Vec3::Y * (4.0 * scale), radius: 0.5 * scale };
+        let samples = Samples::TRUTH;
+        let mut scene = Scene::default();
+        scene.add_rectangle([-scale, scale], [-scale, scale], 0.02 * scale, 1);
+        let plate = scene.positions.len();
+        scene.add_rectangle([-5.0 * scale, 5.0 * scale], [-5.0 * scale, 5.0 * scale], 0.0, 2);
+        let below = Tracer::new(&scene.mesh());
+        assert_eq!(below.visibility_at(&light, Vec3::ZERO, Vec3::Y, samples), 0.0, "{scale}");
+        for position in &mut scene.positions[plate..] {
+            position.y = 0.3 * position.x + 0.2 * position.z - 2.0 * scale;
+        }
+        let slope = Tracer::new(&scene.mesh());
+        let view = View::perspective(
+            Vec3::new(3.1, 1.7, 3.3) * scale,
+            Vec3::new(2.9, -0.5, 2.7) * scale,
+            Vec3::Y,
+            0.6,
+            64,
+            64,
+            1e-3 * scale,
+        );
+        let seen = slope.receivers(&view, Threads::One);
+        let mut found = vec![0.0; seen.positions.len()];
+        let (threads, samples) = (Threads::One, Samples::Fixed(8));
+        slope.visibility(&light, &seen.positions, &seen.normals, samples, threads, &mut found);
+        for (position, found) in seen.positions.iter().zip(&found) {
+            assert_eq!(*found, 1.0, "{scale}: {position}");
+        }
     }
 }
