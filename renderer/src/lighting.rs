@@ -175,7 +175,7 @@ impl LightJob {
     ///
     /// # Errors
     ///
-    /// If the method does not know such lights.
+    /// If the method does not know such lights, or a light cannot look at its target by hand.
     pub fn new(
         light: &SceneLight,
         options: &LightOptions,
@@ -214,6 +214,13 @@ impl LightJob {
             (Method::RayTraced, samples) => samples.unwrap_or(RAYS),
             _ => 1,
         };
+        if let Some(ByHand { target, .. }) = options.by_hand
+            && is_on(shape, target)
+        {
+            let [x, y, z] = target.to_array();
+            let text = format_args!("--light-target {x},{y},{z}: a light is there or points there");
+            return Err(Error::new(text));
+        }
         let plan = Plan::new(light, method, samples, options, prepared, camera);
         let holds_all = options.by_hand.is_none() && plan.has_one_window();
         Ok(LightJob {
@@ -232,6 +239,18 @@ impl LightJob {
 #[must_use]
 pub fn views_of(line: &RectifiedLight) -> Vec<&[View]> {
     line.frusta().iter().map(|frustum| frustum.views()).collect()
+}
+
+/// Whether a light has no direction towards `target`: it is there, or its line leads there.
+fn is_on(light: &Light, target: Vec3) -> bool {
+    let (from, along) = match *light {
+        Light::Sun { .. } => return false,
+        Light::Linear { a, b } => ((a + b) * 0.5, (b - a).normalize_or_zero()),
+        _ => (light.center().unwrap_or(target), Vec3::ZERO),
+    };
+    let way = target - from;
+    let across = way - along * way.dot(along);
+    across.length() <= 1e-6 * target.length().max(from.length())
 }
 
 /// Whether a light is drawn as several lines.

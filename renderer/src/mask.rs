@@ -15,7 +15,7 @@ use simd_search::{NodeGroup, Pyramid};
 use single_sample::{LightMap, Texels, search};
 
 use crate::Error;
-use crate::picture::{check_place, write_file};
+use crate::picture::{check_places, write_file};
 use crate::stats::timed;
 use buffer::Buffer;
 use output::Png;
@@ -87,16 +87,18 @@ The file of views:
     \"light\": { \"clip_from_world\": [16 numbers], \"origin\": \"bottom-left\" }
   }
 Matrices multiply column vectors: 16 numbers go column by column (glTF, OpenGL), four rows of four
-are rows (NumPy). \"view\" is view from world, y up. \"depth\" and \"origin\" hold for both views, or stand
-in one. What depth means:
+are rows (NumPy). \"view\" is view from world, y up. \"depth\" and \"origin\" hold for both views, or
+stand in one. What depth means:
   linear        metres along the view axis (orthographic: from the near plane)
   distance      metres from the eye along the ray
-  opengl        0 to 1, z from -w to w        zero-to-one   0 to 1, z from 0 to w (D3D, Vulkan, wgpu)
+  opengl        0 to 1, z from -w to w
+  zero-to-one   0 to 1, z from 0 to w (Direct3D, Vulkan, wgpu)
   reversed-z    1 to 0, z from 0 to w
 A .png is divided by its greatest value.
 
 Example:
-  penumbra mask views.json --camera-depth camera.npy --light-depth light.npy --radius 0.5 -o mask.png";
+  penumbra mask views.json --camera-depth camera.npy --light-depth light.npy --radius 0.5 \\
+      -o mask.png";
 
 /// A view, and the nearness and IDs of its buffers.
 struct Seen {
@@ -180,8 +182,7 @@ fn check_size(path: &Path, buffer: &Buffer, map: &DepthBuffer) -> Result<(), Err
 ///
 /// If an input cannot be used, or a file not be written. Nothing is written then.
 pub fn mask(args: &MaskArgs) -> Result<(), Error> {
-    check_place(&args.output)?;
-    args.stats.as_deref().map(check_place).transpose()?;
+    check_places(&args.output, args.stats.as_deref())?;
     match args.threads {
         Some(1) => mask_on(args, Threads::One),
         threads => {

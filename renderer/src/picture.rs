@@ -4,7 +4,7 @@ mod read;
 mod write;
 
 pub use read::{decode, read, read_bytes};
-pub use write::{Format, check_place, floats, write_file};
+pub use write::{Format, check_place, check_places, floats, write_file};
 
 use nv_flip::magma_lut;
 

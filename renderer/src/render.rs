@@ -16,7 +16,7 @@ use crate::lighting::LightJob;
 use crate::load::load;
 use crate::memory::FrameSize;
 use crate::method::Method;
-use crate::picture::{check_place, write_file};
+use crate::picture::{check_places, write_file};
 use crate::prepared::Prepared;
 use crate::scene::{Scene, SceneLight};
 use crate::settings::Settings;
@@ -29,8 +29,7 @@ use crate::{Error, builtin};
 ///
 /// If an input cannot be used, or a file not be written. Nothing is written then.
 pub fn render(settings: &Settings) -> Result<(), Error> {
-    check_place(&settings.output.0)?;
-    settings.stats.as_deref().map(check_place).transpose()?;
+    check_places(&settings.output.0, settings.stats.as_deref())?;
     if settings.threads == 1 {
         return render_on(settings, Threads::One);
     }

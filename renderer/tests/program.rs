@@ -57,6 +57,34 @@ fn bad_values_end_in_one_line_and_leave_nothing() {
         (vec!["torus", "-o", "absent/picture.png"], "absent/picture.png: there is no folder"),
         (vec!["torus", "-o", "."], "--output .: "),
         (vec!["torus", "--stats", "absent/stats.json"], "absent/stats.json: "),
+        (
+            vec!["torus", "-o", "a.png", "--stats", "./a.png"],
+            "--stats ./a.png: the output goes there",
+        ),
+        (
+            vec![
+                "torus",
+                "--light",
+                "sphere:0,4,0:1",
+                "--light-fov",
+                "60",
+                "--light-target",
+                "0,4,0",
+            ],
+            "--light-target 0,4,0: a light is there",
+        ),
+        (
+            vec![
+                "torus",
+                "--light",
+                "linear:0,4,0:1,4,0",
+                "--light-fov",
+                "60",
+                "--light-target",
+                "3,4,0",
+            ],
+            "--light-target 3,4,0: a light is there or points there",
+        ),
     ] {
         let arguments: Vec<_> = std::iter::once("render").chain(arguments).collect();
         let output = penumbra(folder.path(), &arguments);
@@ -92,10 +120,17 @@ fn wrong_usage_is_exit_code_2() {
     ] {
         assert_eq!(penumbra(folder.path(), arguments).status.code(), Some(2), "{arguments:?}");
     }
-    for arguments in [&["--help"][..], &["render", "--help"], &["compare", "--help"]] {
+    for arguments in
+        [&["--help"][..], &["render", "--help"], &["compare", "--help"], &["mask", "--help"]]
+    {
         let output = penumbra(folder.path(), arguments);
         assert_eq!(output.status.code(), Some(0));
-        assert!(String::from_utf8(output.stdout).unwrap().contains("Usage"));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("Usage"));
+        // Where a line of ours is too long, the rest of it stands alone in the next one.
+        for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with(' ')) {
+            assert!(line.contains(' ') || line.ends_with(':'), "{arguments:?}: {line}");
+        }
     }
 }
 

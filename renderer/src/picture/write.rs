@@ -202,6 +202,23 @@ pub fn check_place(path: &Path) -> Result<(), Error> {
     }
 }
 
+/// [`check_place`] for a result and its statistics, which must not take the same place.
+///
+/// # Errors
+///
+/// If one of them could not be written, or one would replace the other.
+pub fn check_places(output: &Path, stats: Option<&Path>) -> Result<(), Error> {
+    check_place(output)?;
+    let Some(stats) = stats else { return Ok(()) };
+    check_place(stats)?;
+    let whole = |path: &Path| fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
+    if whole(output).is_some_and(|output| whole(stats) == Some(output)) {
+        let stats = stats.display();
+        return Err(Error::new(format_args!("--stats {stats}: the output goes there")));
+    }
+    Ok(())
+}
+
 /// A picture of floats, shown as `display` says.
 #[must_use]
 pub fn floats(
