@@ -31,7 +31,7 @@ pub struct AdaptiveOptions {
 
 impl Default for AdaptiveOptions {
     fn default() -> Self {
-        AdaptiveOptions { tolerance: 0.002, most_samples: 9, stride: 8 }
+        AdaptiveOptions { tolerance: 0.001, most_samples: 9, stride: 8 }
     }
 }
 

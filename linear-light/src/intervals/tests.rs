@@ -367,3 +367,12 @@ fn a_sample_is_added_where_neither_end_sees_the_blocker() {
         }
     }
 }
+
+/// A shadow of 18 by 18 pixels in a picture of 512 by 512, as one behind a column in a room.
+#[test]
+fn a_shadow_that_can_be_seen_adds_a_sample() {
+    let mut adaptive = AdaptiveSamples::new(AdaptiveOptions::default());
+    let found = |disagreeing: u32| Disagreement { receivers: 2578, disagreeing };
+    assert!(adaptive.answer(found(5)));
+    assert!(!adaptive.answer(found(1)));
+}
