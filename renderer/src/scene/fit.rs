@@ -57,7 +57,8 @@ impl Scene {
     /// the ground's middle and the edge 2.5 times the largest extent: after [`Scene::fit`], x and
     /// z in \[-5, 5\] at y = 0. The ground becomes the first object: it has ID 1 and the first
     /// two triangles, and every other ID grows by one. A scene with nothing in it gets the ground
-    /// around the origin.
+    /// around the origin. One with a floor of its own, all the way down, stands on that: the ground
+    /// lies below it, by a two thousandth of the largest extent.
     ///
     /// # Panics
     ///
@@ -67,8 +68,9 @@ impl Scene {
         let extent = bounds.extent().max_element();
         let half = if extent > 0.0 { 1.25 * extent } else { 5.0 };
         let center = bounds.center();
-        let corner =
-            |x: f32, z: f32| Vec3::new(center.x + x * half, bounds.min.y, center.z + z * half);
+        let below = if self.has_floor(bounds.min.y) { extent / 2000.0 } else { 0.0 };
+        let level = bounds.min.y - below;
+        let corner = |x: f32, z: f32| Vec3::new(center.x + x * half, level, center.z + z * half);
         let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
         let material = index_u32(self.materials.len());
         self.materials.push(Material { name: "ground".into(), ..Material::default() });
@@ -81,6 +83,18 @@ impl Scene {
         for (triangle, id) in self.mesh.ids.iter_mut().enumerate() {
             *id = if triangle < 2 { 1 } else { *id + 1 };
         }
+    }
+
+    /// Whether some triangle lies at that height and faces up: it would be seen in one place with
+    /// the ground.
+    fn has_floor(&self, height: f32) -> bool {
+        self.mesh.triangles.iter().any(|triangle| {
+            let corner = |i: usize| self.mesh.positions.get(triangle[i] as usize).copied();
+            let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
+                return false;
+            };
+            [a.y, b.y, c.y] == [height; 3] && (b - a).cross(c - a).y > 0.0
+        })
     }
 }
 
@@ -145,6 +159,18 @@ mod tests {
         assert_eq!(scene.triangle_materials, [1, 1, 0]);
         assert_eq!(scene.object_names, ["ground", "a"]);
         assert_eq!(scene.materials[1].name, "ground");
+    }
+
+    #[test]
+    fn ground_lies_below_a_floor() {
+        let mut scene = triangle(1.0, Vec3::ZERO);
+        let corners = [Vec3::ZERO, Vec3::Z * 4.0, Vec3::X];
+        for (floor, level) in [([0, 2, 1], 0.0), ([0, 1, 2], -0.002)] {
+            scene.add_object("floor", 0, &corners, &[floor]);
+            let mut grounded = scene.clone();
+            grounded.add_ground();
+            assert_eq!(grounded.bounds().unwrap().min.y, level);
+        }
     }
 
     #[test]
