@@ -243,10 +243,10 @@ pub fn views_of(line: &RectifiedLight) -> Vec<&[View]> {
 
 /// Whether a light has no direction towards `target`: it is there, or its line leads there.
 fn is_on(light: &Light, target: Vec3) -> bool {
-    let (from, along) = match *light {
-        Light::Sun { .. } => return false,
-        Light::Linear { a, b } => ((a + b) * 0.5, (b - a).normalize_or_zero()),
-        _ => (light.center().unwrap_or(target), Vec3::ZERO),
+    let Some(from) = light.center() else { return false };
+    let along = match *light {
+        Light::Linear { a, b } => (b - a).normalize_or_zero(),
+        _ => Vec3::ZERO,
     };
     let way = target - from;
     let across = way - along * way.dot(along);

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use shadowmap_core::Light;
 
 use super::{Bounds, CameraProjection, Material, Scene, SceneLight, index_u32};
+use crate::prepared::corners;
 
 impl Scene {
     /// Scales the scene so that the largest extent of its bounding box is 4, centred on
@@ -88,13 +89,11 @@ impl Scene {
     /// Whether some triangle lies at that height and faces up: it would be seen in one place with
     /// the ground.
     fn has_floor(&self, height: f32) -> bool {
-        self.mesh.triangles.iter().any(|triangle| {
-            let corner = |i: usize| self.mesh.positions.get(triangle[i] as usize).copied();
-            let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
-                return false;
-            };
-            [a.y, b.y, c.y] == [height; 3] && (b - a).cross(c - a).y > 0.0
-        })
+        self.mesh
+            .triangles
+            .iter()
+            .filter_map(|&triangle| corners(self, triangle))
+            .any(|[a, b, c]| [a.y, b.y, c.y] == [height; 3] && (b - a).cross(c - a).y > 0.0)
     }
 }
 

@@ -227,7 +227,8 @@ impl Bench {
         let budget = Duration::from_millis(if self.quick { 1000 } else { 2500 });
         let rounds = rounds(&mut group.variants, budget);
         let ratio = |times: &Vec<f64>| quantile(&ratios(times, &rounds[0]), 0.5);
-        for (variant, times) in group.variants.iter().zip(&rounds) {
+        let all: Vec<f64> = rounds.iter().map(ratio).collect();
+        for ((variant, times), &ratio) in group.variants.iter().zip(&rounds).zip(&all) {
             self.results.records.push(Record {
                 part: self.part.clone(),
                 group: group.name.clone(),
@@ -235,7 +236,7 @@ impl Bench {
                 x: group.x.map(|(quantity, value)| (quantity.to_owned(), value)),
                 median_ms: quantile(times, 0.5) * 1e3,
                 quartiles_ms: [0.25, 0.75].map(|q| quantile(times, q) * 1e3),
-                ratio: ratio(times),
+                ratio,
                 rounds: times.len(),
                 work: group.work.map(|(count, unit)| (count, unit.to_owned())),
                 threads: if variant.threads == Threads::One { 1 } else { 2 },
@@ -243,7 +244,7 @@ impl Bench {
             });
         }
         self.progress.end();
-        rounds.iter().map(ratio).collect()
+        all
     }
 
     /// The results.

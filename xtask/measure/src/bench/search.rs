@@ -262,10 +262,10 @@ impl Searched<'_> {
         let work = Some((queries as f64, "queries"));
         let name = format!("growth with radius, {map}");
         let ratios = bench.compare(Group { name, x: None, work, variants });
-        let steps = all.windows(2).zip(ratios.windows(2)).map(|(radii, ratios)| {
-            let ([(from, _), (to, _)], [before, after]) = (radii, ratios) else { unreachable!() };
-            let doublings = (f64::from(*to) / f64::from(*from)).log2();
-            let step = (after / before).powf(1.0 / doublings);
+        let steps = (1..all.len()).map(|i| {
+            let (from, to) = (all[i - 1].0, all[i].0);
+            let doublings = (f64::from(to) / f64::from(from)).log2();
+            let step = (ratios[i] / ratios[i - 1]).powf(1.0 / doublings);
             vec![format!("{from} to {to}"), format!("{step:.2}")]
         });
         let title = format!("What doubling the radius costs, {map}");
