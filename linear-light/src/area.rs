@@ -1,10 +1,14 @@
 //! Lights with an area as a few linear lights.
 //!
 //! The paper draws a triangular light as three linear lights, one per edge (figure 8, right), which
-//! leaves its inside dark. Here a polygon is cut into strips of equal height, parallel to its
-//! longest edge, and the line through the middle of each strip stands for it, weighted with the
-//! strip's area. The visibility of the polygon is the weighted mean of that of the lines: exact
-//! along them, and a midpoint rule across.
+//! leaves its inside dark. Here a polygon is cut into strips of equal height, and the line through
+//! the middle of each strip stands for it, weighted with the strip's area. The visibility of the
+//! polygon is the weighted mean of that of the lines: exact along them, and a midpoint rule across.
+//!
+//! The strips lie aslant to the polygon's edges. What is built is often built along the same
+//! directions as its lights, and a blocker's edge, or a wall's horizon, that is parallel to the
+//! lines would pass all of each at once: its penumbra would be a stair of as many steps as there
+//! are lines.
 
 use alloc::vec::Vec;
 
@@ -33,7 +37,7 @@ pub struct WeightedLine {
 /// let lines = lines(&light, 2).unwrap();
 /// assert_eq!(lines.len(), 2);
 /// assert_eq!(lines[0].weight, 0.5);
-/// assert_eq!(lines[0].a.distance(lines[0].b), 2.0);
+/// assert_eq!(lines[0].a.y, 1.0);
 /// ```
 #[must_use]
 pub fn lines(light: &Light, count: usize) -> Option<Vec<WeightedLine>> {
@@ -68,31 +72,28 @@ pub fn polygon_lines(corners: &[Vec3], count: usize) -> Vec<WeightedLine> {
             longest = [p, q];
         }
     }
-    let along = (longest[1] - longest[0]).normalize_or_zero();
-    let from_edge = |p: DVec3| (p - longest[0]) - along * (p - longest[0]).dot(along);
-    let mut farthest = DVec3::ZERO;
+    let direction = aslant(corners, longest, count);
+    let place = |p: DVec3| (p - longest[0]).dot(direction);
+    let across = farthest(corners, longest[0], direction).normalize_or_zero();
+    let height = |p: DVec3| (p - longest[0]).dot(across);
+    let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);
     for corner in corners {
-        let away = from_edge(corner.as_dvec3());
-        if away.length_squared() > farthest.length_squared() {
-            farthest = away;
-        }
+        let height = height(corner.as_dvec3());
+        (lowest, highest) = (lowest.min(height), highest.max(height));
     }
-    let height = farthest.length();
-    let up = farthest.normalize_or_zero();
     let mut lines = Vec::with_capacity(count);
     let mut total = 0.0;
     for strip in 0..count {
-        let middle = height * (strip as f64 + 0.5) / count as f64;
+        let middle = lowest + (highest - lowest) * (strip as f64 + 0.5) / count as f64;
         // Where the edges cross the middle of the strip.
         let mut ends: Option<[DVec3; 2]> = None;
         for [p, q] in edges() {
-            let (below, above) = (from_edge(p).dot(up), from_edge(q).dot(up));
+            let (below, above) = (height(p), height(q));
             if (below <= middle) == (above <= middle) {
                 continue;
             }
             let point = p + (q - p) * ((middle - below) / (above - below));
             let [a, b] = ends.unwrap_or([point; 2]);
-            let place = |p: DVec3| p.dot(along);
             ends = Some([
                 if place(point) < place(a) { point } else { a },
                 if place(point) > place(b) { point } else { b },
@@ -112,42 +113,98 @@ pub fn polygon_lines(corners: &[Vec3], count: usize) -> Vec<WeightedLine> {
     lines.into_iter().map(weighted).collect()
 }
 
+/// The direction of `count` lines: that of the longest edge, turned so far that over that edge's
+/// length a line climbs a third of all strips, all of them whole ones: then each height above the
+/// edge of a rectangle is met by as many lines. To the side where the other edges are not.
+fn aslant(corners: &[Vec3], longest: [DVec3; 2], count: usize) -> DVec3 {
+    let base = longest[1] - longest[0];
+    let along = base.normalize_or_zero();
+    let highest = farthest(corners, longest[0], along);
+    let climbed = (count + 1) / 3;
+    let rise = highest * (climbed as f64 / (count - climbed) as f64);
+    let [up, down] = [base + rise, base - rise].map(DVec3::normalize_or_zero);
+    let nearest_edge = |direction: DVec3| {
+        let next = corners.iter().cycle().skip(1);
+        let edges = corners.iter().zip(next);
+        let edges = edges.map(|(p, q)| (q.as_dvec3() - p.as_dvec3()).normalize_or_zero());
+        // Not those along the longest, which are as near on both sides.
+        let others = edges.filter(|edge| edge.cross(along).length_squared() > 1e-6);
+        others.fold(0.0, |most: f64, edge| most.max(edge.dot(direction).abs()))
+    };
+    if nearest_edge(down) < nearest_edge(up) { down } else { up }
+}
+
+/// From a line to the corner that is farthest from it.
+fn farthest(corners: &[Vec3], origin: DVec3, direction: DVec3) -> DVec3 {
+    let mut farthest = DVec3::ZERO;
+    for corner in corners {
+        let from = corner.as_dvec3() - origin;
+        let away = from - direction * from.dot(direction);
+        if away.length_squared() > farthest.length_squared() {
+            farthest = away;
+        }
+    }
+    farthest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn close(a: Vec3, b: Vec3) -> bool {
-        a.distance(b) < 1e-6
+    /// The part of a light on the near side of a plane, by its lines.
+    fn part_before(lines: &[WeightedLine], normal: Vec3, distance: f32) -> f32 {
+        let part = |line: &WeightedLine| {
+            let [a, b] = [line.a, line.b].map(|end| end.dot(normal) - distance);
+            let [near, far] = [a.min(b), a.max(b)];
+            if near >= 0.0 { 0.0 } else { (near / (near - far.max(0.0))).min(1.0) }
+        };
+        lines.iter().map(|line| line.weight * part(line)).sum()
     }
 
     #[test]
-    fn a_rectangle_is_cut_along_its_longer_edge() {
-        let v = Vec3::new;
-        let light =
-            Light::Rectangle { corner: v(1.0, 2.0, 3.0), edge_u: Vec3::Z, edge_v: Vec3::X * 3.0 };
-        let lines = lines(&light, 4).unwrap();
-        let mut depths: Vec<f32> = lines.iter().map(|line| line.a.z).collect();
-        depths.sort_by(f32::total_cmp);
-        assert_eq!(depths, [3.125, 3.375, 3.625, 3.875]);
-        for line in lines {
-            let [left, right] = [line.a.x.min(line.b.x), line.a.x.max(line.b.x)];
-            assert_eq!([left, right, line.a.y, line.b.y], [1.0, 4.0, 2.0, 2.0]);
-            assert!(line.a.z == line.b.z && line.weight == 0.25);
+    fn an_edge_along_a_side_of_a_rectangle_hides_what_it_covers() {
+        let [corner, u, v] = [Vec3::new(1.0, 2.0, 3.0), Vec3::Z, Vec3::X * 3.0];
+        let light = Light::Rectangle { corner, edge_u: u, edge_v: v };
+        for count in 2..=17 {
+            let lines = lines(&light, count).unwrap();
+            assert_eq!(lines.len(), count);
+            for part in [0.0, 0.01, 0.2, 0.5, 0.77, 1.0] {
+                for edge in [u, v] {
+                    let distance = (corner + edge * part).dot(edge);
+                    let hidden = part_before(&lines, edge, distance);
+                    assert!((hidden - part).abs() < 1e-5, "{count} {edge}: {hidden}, not {part}");
+                }
+            }
         }
     }
 
     #[test]
-    fn the_strips_of_a_triangle_weigh_what_they_cover() {
+    fn a_single_line_is_the_middle_along_the_longer_edge() {
+        let [corner, u, v] = [Vec3::new(1.0, 2.0, 3.0), Vec3::Z, Vec3::X * 3.0];
+        let light = Light::Rectangle { corner, edge_u: u, edge_v: v };
+        let [line] = lines(&light, 1).unwrap()[..] else { panic!("one line") };
+        let [left, right] = [line.a.x.min(line.b.x), line.a.x.max(line.b.x)];
+        assert_eq!([left, right, line.a.y, line.b.y], [1.0, 4.0, 2.0, 2.0]);
+        assert_eq!([line.a.z, line.b.z, line.weight], [3.5, 3.5, 1.0]);
+    }
+
+    #[test]
+    fn the_lines_of_a_triangle_cover_it_and_turn_away_from_its_other_edges() {
         let v = Vec3::new;
-        let light =
-            Light::Triangle { a: v(0.0, 0.0, 0.0), b: v(0.0, 2.0, 1.0), c: v(0.0, 0.0, 4.0) };
-        let lines = lines(&light, 2).unwrap();
-        // The longest edge is a c; half way up, the triangle is a quarter and three quarters.
-        assert!((lines[0].weight - 0.75).abs() < 1e-6 && (lines[1].weight - 0.25).abs() < 1e-6);
-        let [first, last] = [lines[0], lines[1]];
-        assert!([first.a, first.b].iter().any(|p| close(*p, v(0.0, 0.5, 0.25))), "{first:?}");
-        assert!([first.a, first.b].iter().any(|p| close(*p, v(0.0, 0.5, 3.25))), "{first:?}");
-        assert!((last.a.distance(last.b) - 1.0).abs() < 1e-6 && last.a.y == 1.5);
+        let [a, b, c] = [v(0.0, 0.0, 0.0), v(0.0, 2.0, 0.0), v(0.0, 0.0, 4.0)];
+        let lines = lines(&Light::Triangle { a, b, c }, 8).unwrap();
+        let (mut middle, slack) = (Vec3::ZERO, 1e-5);
+        for line in &lines {
+            for p in [line.a, line.b] {
+                assert!(
+                    p.x == 0.0 && p.y > -slack && p.z > -slack && p.y * 2.0 + p.z < 4.0 + slack
+                );
+            }
+            let slope = (line.b.y - line.a.y) / (line.b.z - line.a.z);
+            assert!((-2.0..-0.7).contains(&slope), "{slope} is no better than an edge's");
+            middle += (line.a + line.b) * 0.5 * line.weight;
+        }
+        assert!(middle.distance((a + b + c) / 3.0) < 0.01, "{middle}");
     }
 
     #[test]
