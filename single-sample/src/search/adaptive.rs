@@ -129,6 +129,15 @@ impl Samples {
         self.wanted.all()
     }
 
+    /// Takes what the search of a pixel found that was not asked for.
+    #[inline(always)]
+    pub fn add(&mut self, pixel: usize, value: f32) {
+        self.values[pixel] = value;
+        for pixels in [&mut self.needed, &mut self.searched] {
+            pixels[pixel / TILE] |= 1 << (pixel % TILE);
+        }
+    }
+
     /// Asks for the ends of all groups along every `group`-th row.
     #[inline(always)]
     pub fn begin(&mut self, grid: &Grid, keys: &Keys<'_>) {

@@ -48,10 +48,12 @@ pub(crate) fn outline<T: Texel>(
     if cell.add_simple(&cell.whole(), segments) {
         return;
     }
+    let mut room = [[0.0; CELL + 1]; CELL + 1];
+    let texels = field.rows(at, &mut room);
     for (x, y) in [(0, 0), (HALF, 0), (0, HALF), (HALF, HALF)] {
         let part = cell.quarter(x, y);
         if !cell.add_simple(&part, segments) {
-            cell.add_pieces(&part, segments);
+            cell.add_pieces(&part, &texels, segments);
         }
     }
 }
@@ -135,7 +137,12 @@ impl<T: Texel> Cell<'_, T> {
     }
 
     /// Adds the pieces between any four texels.
-    fn add_pieces<const SIZE: usize>(&self, square: &Square<SIZE>, segments: &mut Segments) {
+    fn add_pieces<const SIZE: usize>(
+        &self,
+        square: &Square<SIZE>,
+        texels: &[&[f32; CELL + 1]; CELL + 1],
+        segments: &mut Segments,
+    ) {
         for y in square.y..square.y + SIZE {
             let (upper, lower) = (self.bits.row(y) >> square.x, self.bits.row(y + 1) >> square.x);
             let differs = (upper ^ lower) | (upper ^ upper >> 1) | (lower ^ lower >> 1);
@@ -149,7 +156,7 @@ impl<T: Texel> Cell<'_, T> {
                 for piece in &pieces[..*count] {
                     let vertex = |end: usize| {
                         let ([dx, dy], [i, j]) = (piece.ends[end], CORNERS[piece.blockers[end]]);
-                        let nearness = self.nearness([x + i, y + j]);
+                        let nearness = texels[y + j][x + i];
                         self.vertex([x as f32 + dx, y as f32 + dy], nearness)
                     };
                     segments.push(Segment { from: vertex(0), to: vertex(1) });

@@ -12,8 +12,8 @@ use super::planes::ROUNDING;
 use super::receiver::{Receiver, Seen};
 use super::segments::LANES;
 
-/// The most leaves there may be.
-const CAPACITY: usize = 1024;
+/// The most leaves there may be. Few in tests, for some outlines to be too long.
+const CAPACITY: usize = if cfg!(test) { 32 } else { 1024 };
 
 const WIDTH: i32 = Pyramid::LEAF[0] as i32;
 const HEIGHT: i32 = Pyramid::LEAF[1] as i32;
@@ -79,8 +79,14 @@ impl Disputed {
         }
     }
 
-    pub fn clear(&mut self) {
-        self.len = 0;
+    /// Forgets all leaves but the first `len`.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = len;
+    }
+
+    /// Whether so many more leaves fit, and those that fill up the last group of lanes.
+    pub fn has_room(&self, leaves: usize) -> bool {
+        self.len + leaves <= CAPACITY
     }
 
     pub fn len(&self) -> usize {
@@ -88,25 +94,21 @@ impl Disputed {
     }
 
     /// Adds the cell whose first texel is `at`, after those of the same leaf if there are any since
-    /// leaf `start`. False if there is no room.
+    /// leaf `start`. There must be room.
     #[inline(always)]
-    pub fn push(&mut self, pyramid: &Pyramid<'_>, [x, y]: [i32; 2], start: usize) -> bool {
+    pub fn push(&mut self, pyramid: &Pyramid<'_>, [x, y]: [i32; 2], start: usize) {
         let leaf = [x.div_euclid(WIDTH), y.div_euclid(HEIGHT)];
         let first = [leaf[0] * WIDTH, leaf[1] * HEIGHT];
         let is_known = self.len > start && self.at[self.len - 1] == first;
-        let fits = is_known || self.push_leaf(pyramid, leaf);
-        if fits {
-            self.cells[self.len - 1] |= 1 << ((x - first[0]) / CELL as i32);
+        if !is_known {
+            self.push_leaf(pyramid, leaf);
         }
-        fits
+        self.cells[self.len - 1] |= 1 << ((x - first[0]) / CELL as i32);
     }
 
-    /// Adds a leaf without cells. False if there is no room.
+    /// Adds a leaf without cells.
     #[inline(always)]
-    fn push_leaf(&mut self, pyramid: &Pyramid<'_>, [column, row]: [i32; 2]) -> bool {
-        if self.len == CAPACITY {
-            return false;
-        }
+    fn push_leaf(&mut self, pyramid: &Pyramid<'_>, [column, row]: [i32; 2]) {
         let node = |x: i32, y: i32| Node::of(pyramid, [column + x, row + y]);
         let [half_x, half_y] = HALF;
         let (mut slope, mut low, mut high) = ([0.0; 2], f32::INFINITY, f32::NEG_INFINITY);
@@ -148,7 +150,6 @@ impl Disputed {
         self.low[i] = low - (low.abs() + room) * ROUNDING;
         self.high[i] = high + (high.abs() + room) * ROUNDING;
         self.len += 1;
-        true
     }
 
     /// Fills up the last group of lanes with what blocks nobody. Returns the number of groups.

@@ -118,6 +118,7 @@ fn add_up(sums: &[i32; LANES]) -> i32 {
 }
 
 /// What segments contribute.
+#[derive(Clone, Copy)]
 pub(crate) struct Sum {
     pub total: i32,
     /// A radius in texels which the disc has at least at any blocker in reach, and at those around

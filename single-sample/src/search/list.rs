@@ -15,6 +15,15 @@ impl<T: Copy, const N: usize> List<T, N> {
         self.len = 0;
     }
 
+    /// Forgets all but the first `len`.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = len;
+    }
+
+    pub fn has_room(&self, count: usize) -> bool {
+        self.len + count <= N
+    }
+
     pub fn len(&self) -> usize {
         self.len
     }
@@ -29,8 +38,19 @@ impl<T: Copy, const N: usize> List<T, N> {
     }
 
     #[inline(always)]
+    pub fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.items[self.len])
+    }
+
+    #[inline(always)]
     pub fn all(&self) -> &[T] {
         &self.items[..self.len]
+    }
+
+    #[inline(always)]
+    pub fn all_mut(&mut self) -> &mut [T] {
+        &mut self.items[..self.len]
     }
 
     #[inline(always)]

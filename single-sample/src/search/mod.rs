@@ -54,6 +54,7 @@ mod naive;
 mod outline;
 mod outlines;
 mod output;
+mod pieces;
 mod pixels;
 mod planar;
 mod planes;
@@ -71,6 +72,7 @@ mod tests;
 mod texel_test;
 mod tile;
 mod tile_search;
+mod trace;
 
 use shadowmap_core::{BandSlice, Bias, Camera, Level, Light, Threads, for_each_band_with};
 use simd_search::Pyramid;

@@ -24,6 +24,26 @@ impl Places {
     }
 }
 
+impl Places {
+    /// Two halves of them.
+    #[inline(always)]
+    pub fn halves(self) -> [Places; 2] {
+        let middle = |[from, end]: [i32; 2]| {
+            let cells = (end - from) / CELL as i32;
+            from + cells / 2 * CELL as i32
+        };
+        let (Places { columns, rows }, mut first, mut second) = (self, self, self);
+        if columns[1] - columns[0] > rows[1] - rows[0] {
+            first.columns[1] = middle(columns);
+            second.columns[0] = first.columns[1];
+        } else {
+            first.rows[1] = middle(rows);
+            second.rows[0] = first.rows[1];
+        }
+        [first, second]
+    }
+}
+
 /// Places in a row that are looked at together.
 pub(crate) const STRIP: i32 = 48;
 
@@ -132,12 +152,14 @@ pub(crate) fn cell_bits<T: Texel>(
     let cell = |block: &Bits| cell_of_blocks(block, block, 0);
     let limits = test.limits(block.first);
     let passing = ops.passing(&limits, &block.rows);
-    let is_clear = cell(&passing) == CellBits::NONE;
-    let is_out_of_reach = |reach: &Test| {
-        cell(&ops.passing(&reach.limits(block.first), &block.rows)) == CellBits::NONE
-    };
-    if is_clear || reach.is_some_and(is_out_of_reach) {
+    if cell(&passing) == CellBits::NONE {
         return CellBits::NONE;
+    }
+    if let Some(reach) = reach {
+        let within = ops.passing(&reach.limits(block.first), &block.rows);
+        if cell(&within) == CellBits::NONE {
+            return CellBits::NONE;
+        }
     }
     let [passing] = match close {
         Some(extent) => {

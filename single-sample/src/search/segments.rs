@@ -34,8 +34,8 @@ impl Segment {
 }
 
 /// How many segments [`Segments`] holds: no power of two, which would put what is read together
-/// in the same few lines of a cache.
-const CAPACITY: usize = 4096 + 48;
+/// in the same few lines of a cache. Few in tests, for some outlines to be too long.
+const CAPACITY: usize = if cfg!(test) { 448 } else { 6144 + 48 };
 /// The most that one cell adds.
 pub(crate) const CELL_MOST: usize = 128;
 /// Segments that are visited at a time.
@@ -65,7 +65,10 @@ impl Bounds {
     };
 
     pub fn include(&mut self, Segment { from, to }: &Segment) {
-        let add = |[low, high]: [f32; 2], a: f32, b: f32| [low.min(a).min(b), high.max(a).max(b)];
+        let add = |[low, high]: [f32; 2], a: f32, b: f32| {
+            let (least, most) = if a < b { (a, b) } else { (b, a) };
+            [if least < low { least } else { low }, if most > high { most } else { high }]
+        };
         self.u = add(self.u, from.x, to.x);
         self.v = add(self.v, from.y, to.y);
         self.nearness = add(self.nearness, from.nearness, to.nearness);

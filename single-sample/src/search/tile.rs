@@ -45,7 +45,7 @@ pub(crate) struct Scratch {
 }
 
 /// As the crate's README says.
-const _: () = assert!(size_of::<Scratch>() <= 336 * 1024);
+const _: () = assert!(size_of::<Scratch>() <= 380 * 1024);
 
 impl Scratch {
     pub const fn new() -> Scratch {
@@ -127,6 +127,7 @@ pub(crate) fn tile<T: Texel, V: Visibility>(
             geometry,
             field: &scene.field,
             pyramid: &scene.pyramid,
+            greatest: scene.greatest,
             receivers,
             groups,
             ids: pixels.ids(),

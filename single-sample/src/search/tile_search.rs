@@ -1,37 +1,31 @@
 //! The search of a tile's receivers.
 
-use core::ops::Range;
-
 use simd_search::Pyramid;
 
 use super::adaptive::{COUNT, Grid, Keys, Samples, TILE};
-use super::cell::{CELL, CellBits, is_uniform};
 use super::field::{Field, Texel};
 use super::geometry::Geometry;
-use super::groups::Groups;
-use super::integral::{Sought, Sum, blocked_fraction, cell_of, hides_center, sum, sum_in_reach};
+use super::groups::{GROUPS, Groups};
+use super::integral::{Sought, Sum, blocked_fraction};
 use super::kernels::{Ops, Work};
 use super::lanes::{Bits, rows_of_bits};
-use super::leaves::LeafTest;
-use super::outline::{Places, STRIP, Strip, cell_bits};
+use super::list::List;
+use super::outline::Places;
 use super::outlines::{Outline, Outlines};
-use super::planes::Planes;
+use super::planes::{Planes, extent};
 use super::reach::{Extent, Reach};
 use super::receiver::{Receiver, Seen};
-use super::recent::Recent;
-use super::segments::{LANES, Segments};
 use super::soa::Receivers;
-use super::texel_test::Test;
+use super::trace::{Trace, Traced};
 use crate::Counters;
-
-/// From a cell's first texel to its middle.
-const MIDDLE: f32 = CELL as f32 * 0.5 + 0.5;
 
 /// Finds the blocked fractions of all pixels of a tile.
 pub(crate) struct SearchTile<'a, T> {
     pub geometry: &'a Geometry,
     pub field: &'a Field<'a, T>,
     pub pyramid: &'a Pyramid<'a>,
+    /// The nearest depth of the whole map.
+    pub greatest: f32,
     pub receivers: &'a Receivers,
     pub groups: &'a Groups,
     pub ids: &'a [u32; COUNT],
@@ -75,15 +69,25 @@ impl<T: Texel> Work for SearchTile<'_, T> {
         }
         let receivers: u32 = needed.iter().map(|row| row.count_ones()).sum();
         self.counters.interpolated += receivers - (self.counters.searches - before);
+        for group in 0..GROUPS {
+            if let Some(outline @ Outline { part: None, .. }) = self.outlines.groups[group] {
+                self.search_in_parts(ops, group, &outline);
+            }
+        }
     }
 }
 
 impl<T: Texel> SearchTile<'_, T> {
-    /// Which pixels belong to a group that something may block.
+    /// Which pixels belong to a group with an outline that is kept.
     #[inline(always)]
     fn needed(&self) -> Bits {
         let groups = &self.outlines.groups;
-        rows_of_bits(&self.groups.pixels_of(|group| groups[group].is_some()).map(u8::from))
+        rows_of_bits(
+            &self
+                .groups
+                .pixels_of(|group| groups[group].is_some_and(|outline| outline.part.is_some()))
+                .map(u8::from),
+        )
     }
 
     /// Which pixels are in shadow by the hard shadow test.
@@ -115,122 +119,113 @@ impl<T: Texel> SearchTile<'_, T> {
     #[inline(always)]
     fn search(&mut self, ops: &impl Ops, pixel: usize) -> Sample {
         let group = self.groups.of(pixel).and_then(|group| self.outlines.groups[group]);
-        let Some(outline) = group else { return Sample::CLEAR };
+        let Some(outline @ Outline { part: Some(part), .. }) = group else { return Sample::CLEAR };
         let receiver = self.receivers.get(pixel);
+        if outline.is_cut && !self.reaches_blockers(&outline, &receiver) {
+            return Sample::CLEAR;
+        }
         let seen = Seen::of(self.geometry, &receiver);
-        let sought = Sought::between(outline.side * (self.grid.group as f32 / TILE as f32));
-        if outline.is_cut || !outline.is_shared {
-            let extent = Extent::of(&receiver);
-            let size = [self.field.width, self.field.height];
-            let reach = Reach::within(self.geometry, outline.greatest, size, &extent);
-            let Some(Reach { places, is_cut, .. }) = reach else { return Sample::CLEAR };
-            self.counters.cut_by_border += u32::from(is_cut);
-            if !outline.is_shared {
-                let (Sum { total, disc }, hidden) =
-                    self.own(ops, &receiver, &seen, &sought, places);
-                return Sample { blocked: blocked_fraction(hidden, total), disc };
-            }
-        }
-        let [first, end] = outline.groups;
-        let mut sum = sum_in_reach(&seen, &sought, &self.outlines.segments, first..end);
-        let mut hidden = None;
-        if outline.disputed[0] < outline.disputed[1] {
-            let (own, hides) = self.disputed(ops, &outline, &receiver, &seen, &sought);
-            sum.add(&own);
-            hidden = hides;
-        }
-        let hidden = hidden.unwrap_or_else(|| {
-            let Outlines { segments, cells, .. } = &*self.outlines;
-            let cell = cell_of(receiver.u, receiver.v);
-            let cell = cells.part(outline.cells).iter().find(|other| other.at == cell);
-            let [first, end] = cell.map_or([0; 2], |cell| cell.segments);
-            hides_center(self.field, &receiver, segments, first..end)
-        });
-        Sample { blocked: blocked_fraction(hidden, sum.total), disc: sum.disc }
+        let sought = self.sought(&outline);
+        let pieces = &mut self.outlines.pieces;
+        let (sum, hidden) = pieces.hide(ops, self.field, &part, &receiver, &seen, &sought);
+        Sample { blocked: self.blocked(&receiver, &sum, hidden), disc: sum.disc }
     }
 
-    /// The sum over the receiver's own outline in disputed cells, and whether it hides the disc's
-    /// middle if that lies in one of them.
+    /// Searches all pixels of a group whose outline is too long to be kept: a part of it that is not
+    /// hides something of each pixel's disc, and is forgotten. To find it again for the pixels that are
+    /// asked for after others would take longer.
     #[inline(always)]
-    fn disputed(
-        &mut self,
-        ops: &impl Ops,
-        group: &Outline,
-        receiver: &Receiver,
-        seen: &Seen,
-        sought: &Sought,
-    ) -> (Sum, Option<bool>) {
-        let Outlines { disputed, segments, recent, room, .. } = &mut *self.outlines;
-        let (test, extent) = (Test::of(receiver), Extent::of(receiver));
-        let cell = cell_of(receiver.u, receiver.v);
-        let mut own = Own::behind(seen, sought, segments, recent);
-        let mut hidden = None;
-        for lanes in group.disputed[0]..group.disputed[1] {
-            let [mut leaves, close] = disputed.blocking(lanes, receiver, seen, self.field.contact);
-            while leaves != 0 {
-                let lane = leaves.trailing_zeros();
-                let leaf = lanes * LANES + lane as usize;
-                let close = (close >> lane & 1 == 1).then_some(&extent);
-                leaves &= leaves - 1;
-                for at in disputed.cells(leaf) {
-                    let middle = at.map(|at| at as f32 + MIDDLE);
-                    let reach = (at != cell).then(|| Test::in_reach(seen, middle));
-                    let reach = reach.as_ref();
-                    let bits = cell_bits(ops, self.field, &test, reach, close, at, room);
-                    if is_uniform(&bits) {
-                        continue;
-                    }
-                    let added = own.add(self.field, at, &bits, at == cell);
-                    if at == cell {
-                        hidden = Some(hides_center(self.field, receiver, own.segments, added));
-                    }
+    fn search_in_parts(&mut self, ops: &impl Ops, group: usize, outline: &Outline) {
+        let mut searched = List::<Partly, COUNT>::new(Partly::NONE);
+        for pixel in 0..COUNT {
+            if self.groups.has(group, pixel) {
+                self.samples.add(pixel, 0.0);
+                self.counters.searches += 1;
+                if self.reaches_blockers(outline, &self.receivers.get(pixel)) {
+                    searched.push(Partly { pixel: pixel as u8, ..Partly::NONE });
                 }
             }
         }
-        (own.sum(), hidden)
+        let extent = extent(self.groups, group, self.receivers);
+        let size = [self.field.width, self.field.height];
+        let reach = Reach::within(self.geometry, outline.greatest, size, &extent);
+        let Some(reach) = reach else { return };
+        let planes = Planes::of_group(self.groups, group, self.receivers, &extent, &reach);
+        let sought = self.sought(outline);
+        let SearchTile { geometry, field, pyramid, greatest, receivers, .. } = *self;
+        let Outlines { pieces, leaves, above, .. } = &mut *self.outlines;
+        let start = pieces.end();
+        let mut left = List::<Places, HALVES>::new(reach.places);
+        left.push(reach.places);
+        while let Some(places) = left.pop() {
+            let mut trace =
+                Trace { geometry, field, pyramid, greatest, leaves, above, pieces, spare: 0 };
+            match trace.outline(ops, &extent, &reach, &planes, places) {
+                Traced::Nothing => continue,
+                Traced::NoRoom => {
+                    for half in places.halves() {
+                        left.push(half);
+                    }
+                }
+                Traced::All => {
+                    let part = pieces.part_since(start);
+                    for partly in searched.all_mut() {
+                        let receiver = receivers.get(usize::from(partly.pixel));
+                        let seen = Seen::of(geometry, &receiver);
+                        let (sum, hidden) =
+                            pieces.hide(ops, field, &part, &receiver, &seen, &sought);
+                        partly.sum.add(&sum);
+                        partly.hidden = partly.hidden.or(hidden);
+                    }
+                }
+            }
+            pieces.truncate(start);
+        }
+        for &Partly { pixel, sum, hidden } in searched.all() {
+            let pixel = usize::from(pixel);
+            let blocked = self.blocked(&self.receivers.get(pixel), &sum, hidden);
+            self.samples.add(pixel, blocked);
+        }
     }
 
-    /// The sum over all of the receiver's own outline, and whether it hides the disc's middle.
+    /// The blocked fraction of a receiver's disc, from what all of its outline hides.
     #[inline(always)]
-    fn own(
-        &mut self,
-        ops: &impl Ops,
-        receiver: &Receiver,
-        seen: &Seen,
-        sought: &Sought,
-        places: Places,
-    ) -> (Sum, bool) {
+    fn blocked(&self, receiver: &Receiver, sum: &Sum, hidden: Option<bool>) -> f32 {
+        let none = || self.outlines.pieces.hides_center(self.field, receiver);
+        blocked_fraction(hidden.unwrap_or_else(none), sum.total)
+    }
+
+    #[inline(always)]
+    fn sought(&self, outline: &Outline) -> Sought {
+        Sought::between(outline.side * (self.grid.group as f32 / TILE as f32))
+    }
+
+    /// Whether a receiver reaches any place with blockers. Counts it if the map's border cuts its
+    /// reach.
+    #[inline(always)]
+    fn reaches_blockers(&mut self, outline: &Outline, receiver: &Receiver) -> bool {
+        let size = [self.field.width, self.field.height];
         let extent = Extent::of(receiver);
-        let leaf_test = LeafTest::new(
-            self.geometry,
-            &extent,
-            &Planes::of(receiver),
-            [self.field.width, self.field.height],
-        );
-        let tests = [Test::of(receiver)];
-        let cell = cell_of(receiver.u, receiver.v);
-        let Outlines { segments, leaves, recent, room, .. } = &mut *self.outlines;
-        let mut own = Own::behind(seen, sought, segments, recent);
-        let mut hidden = None;
-        for part in places.parts() {
-            if !leaves.find(self.pyramid, &leaf_test, part) {
-                continue;
-            }
-            for places in leaves.boxes(part, STRIP) {
-                let strip = Strip::new(ops, self.field, &tests, &extent, leaves, places, room);
-                for i in 0..strip.cells() {
-                    let Some((at, [bits])) = strip.divided(i) else { continue };
-                    let added = own.add(self.field, at, &bits, at == cell);
-                    if at == cell {
-                        hidden = Some(hides_center(self.field, receiver, own.segments, added));
-                    }
-                }
-            }
-        }
-        let none = || hides_center(self.field, receiver, own.segments, 0..0);
-        let hidden = hidden.unwrap_or_else(none);
-        (own.sum(), hidden)
+        let reach = Reach::within(self.geometry, outline.greatest, size, &extent);
+        self.counters.cut_by_border += reach.map_or(0, |reach| u32::from(reach.is_cut));
+        reach.is_some()
     }
+}
+
+/// Parts of a map that are half as large each as the one before, and the last once more: there is
+/// room for what a few cells hold.
+const HALVES: usize = 64;
+
+/// A pixel of which a part is searched.
+#[derive(Clone, Copy)]
+struct Partly {
+    pixel: u8,
+    sum: Sum,
+    hidden: Option<bool>,
+}
+
+impl Partly {
+    const NONE: Partly = Partly { pixel: 0, sum: Sum::NONE, hidden: None };
 }
 
 /// The whole part of a number from 0 to `most`, which is less than 2^23; of any beyond, that of the
@@ -244,65 +239,4 @@ fn whole_part(number: f32, most: f32) -> u32 {
     let rounded = (number + WHOLE) - WHOLE;
     let cut = if rounded > number { rounded - 1.0 } else { rounded };
     (cut + WHOLE).to_bits() & 0x7f_ffff
-}
-
-/// A receiver's own outline, behind the shared one.
-struct Own<'a> {
-    seen: &'a Seen,
-    sought: &'a Sought,
-    segments: &'a mut Segments,
-    recent: &'a mut Recent,
-    /// Where it begins: at a whole group of lanes.
-    start: usize,
-    /// The sum over what there was no room to keep.
-    sum: Sum,
-}
-
-impl<'a> Own<'a> {
-    #[inline(always)]
-    fn behind(
-        seen: &'a Seen,
-        sought: &'a Sought,
-        segments: &'a mut Segments,
-        recent: &'a mut Recent,
-    ) -> Own<'a> {
-        let start = segments.len();
-        Own { seen, sought, segments, recent, start, sum: Sum::NONE }
-    }
-
-    /// Adds the outline in a cell if it is in reach or around, or `always`, and says which segments
-    /// that are.
-    #[inline(always)]
-    fn add<T: Texel>(
-        &mut self,
-        field: &Field<'_, T>,
-        at: [i32; 2],
-        bits: &CellBits,
-        always: bool,
-    ) -> Range<usize> {
-        if !self.segments.has_room(1) {
-            self.add_up();
-        }
-        let first = self.segments.len();
-        let (seen, around) = (self.seen, self.sought.around);
-        self.recent.outline(field, at, bits, self.segments, |bounds| {
-            always | bounds.are_around(seen, around)
-        });
-        first..self.segments.len()
-    }
-
-    /// Adds up all segments, none of which are kept.
-    #[inline(always)]
-    fn add_up(&mut self) {
-        let groups = self.start / LANES..self.segments.pad();
-        self.sum.add(&sum(self.seen, self.sought, self.segments, groups));
-        self.segments.truncate(self.start);
-    }
-
-    /// The sum over all of them.
-    #[inline(always)]
-    fn sum(mut self) -> Sum {
-        self.add_up();
-        self.sum
-    }
 }
