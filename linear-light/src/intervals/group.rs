@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::border::Neighbour;
 use super::bounds::BAND;
 use super::contact::Contact;
 use super::frame::{Facing, Frame, Frustum};
@@ -279,13 +280,13 @@ impl Group {
                 runs_of.clear();
                 contacts.clear();
                 let probes = row.outermost(ops, of.clone(), tilt, y);
-                for ((sample, map), found_of) in frustum.samples.iter().zip(&*maps).zip(&*found_of)
-                {
+                for (index, (map, found_of)) in maps.iter().zip(&*found_of).enumerate() {
                     let before = runs.len();
-                    let search = RowSearch::new(frustum, map, &probes, self.count);
+                    let neighbours = Neighbour::both(frustum, index, y);
+                    let search = RowSearch::new(frustum, map, &probes, self.count, neighbours);
                     scan(
                         ops,
-                        &sample.map,
+                        &frustum.samples[index].map,
                         &found[found_of.clone()],
                         y,
                         map,
