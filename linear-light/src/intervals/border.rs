@@ -7,7 +7,6 @@
 
 use super::frame::Frustum;
 use super::scan::row_of;
-use crate::lanes::max;
 
 /// How far, relative to its nearness, what the neighbouring map shows may be from a surface's plane
 /// and still belong to it: walls have two sides, and ceilings beams.
@@ -62,7 +61,8 @@ impl Neighbour {
         let closing = 1.0 / last - self.shift * slope;
         let columns = missing / closing;
         let there = nearness + slope * columns;
-        let is_one = (there - self.nearness).abs() < ALIKE * max(there, self.nearness);
+        // It is one surface, or hidden behind another.
+        let is_one = there > 0.0 && self.nearness > (1.0 - ALIKE) * there;
         // A surface that meets the light does so before the other window.
         let columns = if closing > 0.0 { columns } else { FAR * nearness / slope };
         (is_one && columns.is_finite()).then_some(columns)
