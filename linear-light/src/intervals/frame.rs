@@ -6,7 +6,7 @@ use shadowmap_core::{Bias, Camera, DepthMap, Plane, View, Warp};
 use super::bounds::Bounds;
 use super::scan::STEEPEST;
 use crate::rectified::LAST_TANGENT;
-use crate::{MAX_FRUSTA, MAX_TANGENT, SampleViews};
+use crate::{MAX_FRUSTA, SampleViews};
 
 /// One depth map of a linear light.
 #[derive(Clone, Copy, Debug)]
@@ -70,13 +70,13 @@ impl<'a> Frustum<'a> {
             |plane: Plane| [0, 1, 2, 3].map(|column| plane.side_of(pull.map(|row| row[column])));
         let window = maps.views.window();
         let center = -window.left * focal.x;
-        let widest = f64::from(window.right.max(-window.left));
+        let is_last = f64::from(window.right.max(-window.left)) >= LAST_TANGENT;
         // Half a texel inside the map.
         let last = center.max(middle.width() as f32 - center) - 0.5;
         let beyond = maps.views.beyond().map(|planes| Beyond {
             planes: planes.map(in_camera),
             center,
-            most: if widest >= LAST_TANGENT { last } else { f32::INFINITY },
+            most: if is_last { last } else { f32::INFINITY },
         });
         Frustum {
             samples: maps.samples,
@@ -84,7 +84,7 @@ impl<'a> Frustum<'a> {
             warp: *Warp::new(camera, &middle).rows(),
             beyond,
             across: [0, 1].map(|column| rows.map(|row| row[column])),
-            is_cut: widest >= MAX_TANGENT,
+            is_cut: maps.views.is_cut(),
             disparity: maps.views.disparity() * segments,
             footprint: [1.0 / focal.x, 1.0 / focal.y],
             size: [middle.width(), middle.height()],

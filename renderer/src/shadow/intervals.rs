@@ -66,7 +66,7 @@ impl ShadowStage {
         let views = &line.frusta()[frustum];
         let first: usize = parameters[..frustum].iter().map(Vec::len).sum();
         let options = AdaptiveOptions::default();
-        let mut samples = AdaptiveSamples::new(options);
+        let mut samples = AdaptiveSamples::new(options).through_windows_of(views);
         let [width, height] = [views.views()[0].width(), views.views()[0].height()];
         let size = [width, height].map(|side| (side / TRIAL_REDUCTION).max(1));
         while let Some((segment, t)) = samples.trial() {
