@@ -6,6 +6,7 @@
 //! plane in which the other window shows one, it is one surface, and it hides the light on its way.
 
 use super::frame::Frustum;
+use super::run::Vertex;
 use super::scan::row_of;
 
 /// How far, relative to its nearness, what the neighbouring map shows may be from a surface's plane
@@ -45,6 +46,15 @@ impl Neighbour {
             Neighbour { gap: 1.0 / shift, shift, nearness: row_of(&other.map, y)[column] }
         };
         [of(sample.checked_sub(1), last), of(Some(sample + 1), 0)]
+    }
+
+    /// The column and the nearness of what the neighbour shows at its border, in a map of which
+    /// `last` is the last column; `sign` is 1 if the neighbour is that to the right.
+    #[inline(always)]
+    pub fn shown(&self, sign: f32, last: f32) -> Vertex {
+        let column = if sign > 0.0 { 0.5 } else { last + 0.5 };
+        let moved = sign * (self.shift * last) * self.nearness;
+        Vertex { column: column + moved, nearness: self.nearness }
     }
 
     /// How many columns beyond the last texel a surface goes on that has `nearness` there and

@@ -93,13 +93,21 @@ impl Ground<'_> {
         End { vertex, contact: None }
     }
 
-    /// How far a surface goes on from texel `x` across a gap between two windows, if there is one.
+    /// How far a surface goes on from texel `x` across a gap between two windows, if there is one
+    /// with a blocker on its other side too.
     #[inline(always)]
     fn beyond(&self, x: usize, sign: f32, nearness: f32, slope: f32) -> Option<f32> {
         let last = self.map.width() as usize - 1;
         let (border, neighbour) =
             if sign > 0.0 { (last, &self.neighbours[1]) } else { (0, &self.neighbours[0]) };
-        if x == border { neighbour.reach(nearness, slope, last as f32) } else { None }
+        if x != border {
+            return None;
+        }
+        let [a, b, c, d] = self.plane;
+        let shown = neighbour.shown(sign, last as f32);
+        let front = ((a * shown.column + d) + b * (self.y as f32 + 0.5)) + c * shown.nearness;
+        let blocks = front > self.bias && shown.nearness > self.behind;
+        if blocks { neighbour.reach(nearness, slope, last as f32) } else { None }
     }
 
     /// Where a surface that comes from texel `inner` meets the plane beyond texel `x`.
