@@ -46,6 +46,7 @@
 
 mod adaptive;
 mod block;
+mod border;
 mod bounds;
 mod contact;
 mod frame;

@@ -137,6 +137,12 @@ impl SampleViews {
     pub fn window(&self) -> Window {
         self.window
     }
+    /// Whether the window ends at [`crate::MAX_TANGENT`] along the light or beyond it: there a
+    /// fitted one is cut, and what blocks may lie beside it.
+    #[must_use]
+    pub fn is_cut(&self) -> bool {
+        f64::from(self.window.right.max(-self.window.left)) >= crate::MAX_TANGENT
+    }
     /// Texels that a point of nearness 1 moves along its row, to the left, from one sample's map
     /// to the next.
     #[must_use]

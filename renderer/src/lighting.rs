@@ -1,7 +1,7 @@
 //! The lights of a frame: which method draws each, and from where its maps are taken.
 
 use glam::Vec3;
-use linear_light::{RectifiedLight, lines};
+use linear_light::{RectifiedLight, SampleViews, lines};
 use reference::point_lights;
 use shadowmap_core::{Light, View};
 use single_sample::paper;
@@ -150,6 +150,30 @@ impl Plan {
     }
 }
 
+/// In which frusta of a line more samples are taken where those that it has do not suffice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adapts {
+    /// In none: their number is given.
+    Nowhere,
+    /// In those whose windows are cut. Of the many lines of a panel two samples each are enough,
+    /// unless it stands in what blocks it or right behind.
+    WhereCut,
+    /// In all.
+    Everywhere,
+}
+
+impl Adapts {
+    /// Whether a frustum is one of them.
+    #[must_use]
+    pub fn in_frustum(self, views: &SampleViews) -> bool {
+        match self {
+            Adapts::Nowhere => false,
+            Adapts::WhereCut => views.is_cut(),
+            Adapts::Everywhere => true,
+        }
+    }
+}
+
 /// A light and how it is drawn.
 #[derive(Clone, Debug)]
 pub struct LightJob {
@@ -159,8 +183,8 @@ pub struct LightJob {
     pub method: Method,
     /// How many samples it takes; 1 for the methods that take one.
     pub samples: u32,
-    /// Whether more samples are taken where that many do not suffice.
-    pub adaptive: bool,
+    /// Where more samples are taken if that many do not suffice.
+    pub adapts: Adapts,
     /// Where its maps are taken from.
     pub plan: Plan,
     /// Whether its maps were fitted to hold all that can block it: receivers outside them are lit
@@ -199,8 +223,12 @@ impl LightJob {
                 "--samples adaptive: --method {method} takes a number; only intervals adapts it"
             )));
         }
-        let adaptive = method == Method::Intervals
-            && (options.adaptive || !has_area && options.samples.is_none());
+        let adapts = match method {
+            Method::Intervals if options.adaptive => Adapts::Everywhere,
+            Method::Intervals if has_area => Adapts::WhereCut,
+            Method::Intervals if options.samples.is_none() => Adapts::Everywhere,
+            _ => Adapts::Nowhere,
+        };
         let samples = match (method, options.samples) {
             (Method::Intervals, samples) if has_area => samples.unwrap_or(LINES),
             (Method::Skins | Method::Intervals, Some(1)) => {
@@ -227,7 +255,7 @@ impl LightJob {
             light: light.clone(),
             method,
             samples,
-            adaptive,
+            adapts,
             plan,
             holds_all,
             paper: options.paper,
@@ -263,6 +291,26 @@ mod tests {
     use super::*;
     use crate::builtin;
     use crate::camera::{CameraOptions, choose, view};
+
+    #[test]
+    fn a_panel_adapts_where_it_stands_in_what_blocks_it() {
+        let scene = builtin::scene("torus").unwrap();
+        let prepared = Prepared::new(&scene);
+        let camera = choose(&scene, &CameraOptions::default()).unwrap();
+        let camera = view(&camera, [64, 64], prepared.bounds());
+        for (height, expected) in [(4.5, false), (0.5, true)] {
+            let shape = Light::Rectangle {
+                corner: Vec3::new(-1.0, height, 0.0),
+                edge_u: Vec3::X * 2.0,
+                edge_v: Vec3::Z,
+            };
+            let light = SceneLight { light: shape, ..scene.lights[0].clone() };
+            let job = LightJob::new(&light, &LightOptions::default(), &prepared, &camera).unwrap();
+            let Plan::Lines(lines) = &job.plan else { panic!("a panel is drawn as lines") };
+            let mut frusta = lines.iter().flat_map(|(_, line)| line.frusta());
+            assert_eq!(frusta.any(|views| job.adapts.in_frustum(views)), expected, "at {height} m");
+        }
+    }
 
     #[test]
     fn maps_have_a_size_by_default() {

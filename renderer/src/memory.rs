@@ -51,7 +51,7 @@ impl FrameSize<'_> {
         };
         let all = |views: &[View]| views.iter().map(bytes).fold(0, u64::saturating_add);
         // All maps of a frustum are of one size.
-        let of_frustum = |frustum: &SampleViews| match light.adaptive {
+        let of_frustum = |frustum: &SampleViews| match light.adapts.in_frustum(frustum) {
             true => {
                 let most = AdaptiveOptions::default().most_samples.max(frustum.views().len());
                 bytes(&frustum.views()[0]).saturating_mul(most as u64)

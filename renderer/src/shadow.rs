@@ -181,7 +181,7 @@ impl ShadowStage {
                     }
                     match light.method {
                         Method::Skins => self.by_skins(&scene.camera, line, log, out),
-                        _ => self.by_intervals(drawing, scene, line, light.adaptive, log, out),
+                        _ => self.by_intervals(drawing, scene, line, light.adapts, log, out),
                     }
                     if lines.len() > 1 {
                         timed(&mut log.times.shadow, || {

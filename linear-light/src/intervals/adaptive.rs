@@ -3,7 +3,8 @@
 //! No truth is needed to answer it. What the maps at both ends of a segment say about the light's
 //! point in the segment's middle is compared with a map that is drawn from there. Where the two
 //! disagree about too many receivers, something stands between that neither end sees, and the
-//! middle becomes a sample.
+//! middle becomes a sample. Long segments come first: where samples run out, they are spread over
+//! the light.
 
 use alloc::{vec, vec::Vec};
 
@@ -15,7 +16,7 @@ use super::scan::REACH;
 use super::search::{MapSearch, Tilt};
 use super::{INTERVAL_BIAS, check};
 use crate::MAX_FRUSTA;
-use crate::views::choose;
+use crate::views::{SampleViews, choose};
 
 /// When a segment is split, and when no more.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,15 +66,28 @@ pub struct Disagreement {
 pub struct AdaptiveSamples {
     options: AdaptiveOptions,
     parameters: Vec<f32>,
-    /// Segments before this one are settled.
-    segment: usize,
+    /// How many trials of each segment have found nothing.
+    asked: Vec<usize>,
+    /// How many have to, of a segment longer than half the light.
+    places: usize,
 }
+
+/// Where a segment is asked about, as parts of the way along it.
+const PLACES: [f32; 3] = [0.5, 0.25, 0.75];
 
 impl AdaptiveSamples {
     /// Samples at both ends, and nothing known yet.
     #[must_use]
     pub fn new(options: AdaptiveOptions) -> AdaptiveSamples {
-        AdaptiveSamples { options, parameters: vec![0.0, 1.0], segment: 0 }
+        AdaptiveSamples { options, parameters: vec![0.0, 1.0], asked: vec![0], places: 1 }
+    }
+
+    /// The same for maps with such windows. Where those are cut ([`crate::SampleViews::is_cut`]),
+    /// maps from both ends know little of what lies close to the light between them: long segments
+    /// are then asked about at their quarters too.
+    #[must_use]
+    pub fn through_windows_of(self, views: &SampleViews) -> AdaptiveSamples {
+        AdaptiveSamples { places: if views.is_cut() { PLACES.len() } else { 1 }, ..self }
     }
 
     /// Where on the light the samples are, from 0 to 1.
@@ -82,25 +96,38 @@ impl AdaptiveSamples {
         &self.parameters
     }
 
-    /// The next segment to ask about and the parameter of its middle; `None` if all are settled or
-    /// there are as many samples as there may be.
+    /// The next segment to ask about, the longest that is not settled, and the parameter of a place
+    /// in it, its middle first; `None` if all are settled or there are as many samples as there may
+    /// be.
     #[must_use]
     pub fn trial(&self) -> Option<(usize, f32)> {
-        let more = self.parameters.len() < self.options.most_samples;
-        let segment = self.parameters.get(self.segment..self.segment + 2).filter(|_| more)?;
-        Some((self.segment, 0.5 * (segment[0] + segment[1])))
+        if self.parameters.len() >= self.options.most_samples {
+            return None;
+        }
+        let mut longest = None;
+        for (segment, (ends, &asked)) in self.parameters.windows(2).zip(&self.asked).enumerate() {
+            let [from, to] = [ends[0], ends[1]];
+            let length = to - from;
+            let places = if length > 0.5 { self.places } else { 1 };
+            if asked < places && longest.is_none_or(|(_, _, most)| length > most) {
+                longest = Some((segment, from + length * PLACES[asked], length));
+            }
+        }
+        longest.map(|(segment, t, _)| (segment, t))
     }
 
     /// Takes what [`disagreement`] said of the trial. If `true`, the trial's map is now that of the
-    /// sample behind the segment's first, and both halves will be asked about.
+    /// sample behind the segment's first, and both parts will be asked about.
     pub fn answer(&mut self, found: Disagreement) -> bool {
-        let Some((segment, middle)) = self.trial() else { return false };
+        let Some((segment, t)) = self.trial() else { return false };
         let limit = self.options.tolerance * found.receivers as f32;
         let splits = found.disagreeing as f32 > limit;
         if splits {
-            self.parameters.insert(segment + 1, middle);
+            self.parameters.insert(segment + 1, t);
+            self.asked[segment] = 0;
+            self.asked.insert(segment + 1, 0);
         } else {
-            self.segment += 1;
+            self.asked[segment] += 1;
         }
         splits
     }

@@ -2,6 +2,7 @@
 
 use shadowmap_core::DepthMap;
 
+use super::border::Neighbour;
 use super::run::Vertex;
 use super::scan::{REACH, row_of};
 
@@ -52,6 +53,8 @@ pub(super) struct Ground<'a> {
     pub steepest: f32,
     /// See [`Contact`].
     pub shift: f32,
+    /// Those of the map.
+    pub neighbours: [Neighbour; 2],
 }
 
 impl Ground<'_> {
@@ -66,23 +69,45 @@ impl Ground<'_> {
     /// The end of a run at texel `x` of `row`: the right one if `sign` is 1, the left one if it is
     /// -1. `inner` is the texel before, or `x` itself if the run has but one.
     ///
-    /// The surface goes on as it has come, by [`REACH`], or until it meets the plane. If its next
-    /// texel is too close to the plane to block, the blocker stands on the plane.
+    /// The surface goes on as it has come, by [`REACH`], or across a gap between two windows, or
+    /// until it meets the plane. If its next texel is too close to the plane to block, the blocker
+    /// stands on the plane.
     #[inline(always)]
     pub fn end(&self, row: &[f32], x: usize, inner: usize, sign: f32) -> End {
         let [a, _, c, _] = self.plane;
         let (column, w) = (x as f32 + 0.5, row[x]);
         let slope = w - row[inner];
         let fall = -(sign * a + c * slope);
+        let beyond = self.beyond(x, sign, w, slope);
         if inner != x && fall > 0.0 {
             let front = self.front(x, self.y);
             let contact =
                 if front - fall < self.bias { Some(self.contact(x, inner, sign)) } else { None };
-            let reach = if front < REACH * fall { front / fall } else { REACH };
+            let reach = beyond.unwrap_or(REACH);
+            let reach = if front < reach * fall { front / fall } else { reach };
             let vertex = Vertex { column: column + sign * reach, nearness: w + slope * reach };
             return End { vertex, contact };
         }
-        End { vertex: Vertex { column: column + sign * REACH, nearness: w }, contact: None }
+        let (reach, slope) = beyond.map_or((REACH, 0.0), |reach| (reach, slope));
+        let vertex = Vertex { column: column + sign * reach, nearness: w + slope * reach };
+        End { vertex, contact: None }
+    }
+
+    /// How far a surface goes on from texel `x` across a gap between two windows, if there is one
+    /// with a blocker on its other side too.
+    #[inline(always)]
+    fn beyond(&self, x: usize, sign: f32, nearness: f32, slope: f32) -> Option<f32> {
+        let last = self.map.width() as usize - 1;
+        let (border, neighbour) =
+            if sign > 0.0 { (last, &self.neighbours[1]) } else { (0, &self.neighbours[0]) };
+        if x != border {
+            return None;
+        }
+        let [a, b, c, d] = self.plane;
+        let shown = neighbour.shown(sign, last as f32);
+        let front = ((a * shown.column + d) + b * (self.y as f32 + 0.5)) + c * shown.nearness;
+        let blocks = front > self.bias && shown.nearness > self.behind;
+        if blocks { neighbour.reach(nearness, slope, last as f32) } else { None }
     }
 
     /// Where a surface that comes from texel `inner` meets the plane beyond texel `x`.

@@ -38,6 +38,8 @@ pub(super) struct Frustum<'a> {
     pub beyond: Option<Beyond>,
     /// The directions of the world that are columns and rows, homogeneous.
     pub across: [[f32; 4]; 2],
+    /// Whether the window had to end somewhere along the light: what blocks may lie beside it.
+    pub is_cut: bool,
     /// Texels of disparity per nearness from end to end of the light.
     pub disparity: f32,
     /// The footprint of a texel along a row and down the map, as a fraction of the nearness.
@@ -68,13 +70,13 @@ impl<'a> Frustum<'a> {
             |plane: Plane| [0, 1, 2, 3].map(|column| plane.side_of(pull.map(|row| row[column])));
         let window = maps.views.window();
         let center = -window.left * focal.x;
-        let is_cut = f64::from(window.right.max(-window.left)) >= LAST_TANGENT;
+        let is_last = f64::from(window.right.max(-window.left)) >= LAST_TANGENT;
         // Half a texel inside the map.
         let last = center.max(middle.width() as f32 - center) - 0.5;
         let beyond = maps.views.beyond().map(|planes| Beyond {
             planes: planes.map(in_camera),
             center,
-            most: if is_cut { last } else { f32::INFINITY },
+            most: if is_last { last } else { f32::INFINITY },
         });
         Frustum {
             samples: maps.samples,
@@ -82,6 +84,7 @@ impl<'a> Frustum<'a> {
             warp: *Warp::new(camera, &middle).rows(),
             beyond,
             across: [0, 1].map(|column| rows.map(|row| row[column])),
+            is_cut: maps.views.is_cut(),
             disparity: maps.views.disparity() * segments,
             footprint: [1.0 / focal.x, 1.0 / focal.y],
             size: [middle.width(), middle.height()],

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::border::Neighbour;
 use super::bounds::BAND;
 use super::contact::Contact;
 use super::frame::{Facing, Frame, Frustum};
@@ -171,7 +172,8 @@ impl Group {
 
     /// Whether nothing blocks: then the map of one end of the light, which must be above the
     /// horizon, shows nothing in front of the plane in any direction from which light comes. What
-    /// that map does not show lies behind what it shows, and so behind the plane too.
+    /// that map does not show lies behind what it shows, and so behind the plane too. If the window
+    /// is cut, it may also lie beside it: then every map is asked about its part of the light.
     #[inline(always)]
     pub fn is_lit(
         &self,
@@ -180,9 +182,30 @@ impl Group {
         frustum: &Frustum<'_>,
         scratch: &mut Scratch,
     ) -> bool {
+        if frustum.is_cut {
+            let mut samples = 0..frustum.samples.len();
+            return samples.all(|sample| {
+                self.is_clear(ops, frame, frustum, scratch, sample, frustum.span(sample))
+            });
+        }
         let [a, b] = self.facing.ends;
         let sample = if a >= b { 0 } else { frustum.samples.len() - 1 };
-        let map = self.map_search(frame, frustum, frustum.samples[sample].t, [0.0, 1.0]);
+        self.is_clear(ops, frame, frustum, scratch, sample, [0.0, 1.0])
+    }
+
+    /// Whether the map of a sample shows nothing in front of the plane that could hide any of a
+    /// part of the light.
+    #[inline(always)]
+    fn is_clear(
+        &self,
+        ops: impl Ops,
+        frame: &Frame<'_>,
+        frustum: &Frustum<'_>,
+        scratch: &mut Scratch,
+        sample: usize,
+        span: [f32; 2],
+    ) -> bool {
+        let map = self.map_search(frame, frustum, frustum.samples[sample].t, span);
         let search = map.among_bounds(frustum, &self.extent, &self.tilt);
         for band in self.rows[0] / BAND..=self.rows[1] / BAND {
             scratch.found.clear();
@@ -257,13 +280,13 @@ impl Group {
                 runs_of.clear();
                 contacts.clear();
                 let probes = row.outermost(ops, of.clone(), tilt, y);
-                for ((sample, map), found_of) in frustum.samples.iter().zip(&*maps).zip(&*found_of)
-                {
+                for (index, (map, found_of)) in maps.iter().zip(&*found_of).enumerate() {
                     let before = runs.len();
-                    let search = RowSearch::new(frustum, map, &probes, self.count);
+                    let neighbours = Neighbour::both(frustum, index, y);
+                    let search = RowSearch::new(frustum, map, &probes, self.count, neighbours);
                     scan(
                         ops,
-                        &sample.map,
+                        &frustum.samples[index].map,
                         &found[found_of.clone()],
                         y,
                         map,

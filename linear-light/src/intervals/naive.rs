@@ -3,6 +3,7 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::border::Neighbour;
 use super::contact::Ground;
 use super::frame::{Facing, Frame, Frustum, UNKNOWN};
 use super::rows::LITTLE;
@@ -85,6 +86,7 @@ fn hidden_in_row(
             behind: moved,
             steepest: frustum.steepest(),
             shift,
+            neighbours: Neighbour::both(frustum, index, y),
         };
         let mut x = 0;
         while x < width {

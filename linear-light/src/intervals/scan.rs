@@ -5,6 +5,7 @@ use core::ops::Range;
 
 use shadowmap_core::DepthMap;
 
+use super::border::Neighbour;
 use super::bounds::BandSearch;
 use super::contact::{Contact, Ground};
 use super::frame::Frustum;
@@ -33,6 +34,8 @@ pub(super) struct RowSearch {
     pub disparity: f32,
     /// [`STEEPEST`] footprints, as a fraction of the nearness.
     pub steepest: f32,
+    /// Those of the map, in the row.
+    pub neighbours: [Neighbour; 2],
 }
 
 impl RowSearch {
@@ -44,13 +47,15 @@ impl RowSearch {
         map: &MapSearch,
         [p, q]: &[Probe; 2],
         blocks: usize,
+        neighbours: [Neighbour; 2],
     ) -> RowSearch {
         let probes = [
             Probe { u: p.u + map.shift * p.nearness, ..*p },
             Probe { u: q.u + map.shift * q.nearness, ..*q },
         ];
         let pairs = if blocks > 1 { PAIRS.len() } else { 1 };
-        RowSearch { probes, pairs, disparity: frustum.disparity, steepest: frustum.steepest() }
+        let (disparity, steepest) = (frustum.disparity, frustum.steepest());
+        RowSearch { probes, pairs, disparity, steepest, neighbours }
     }
 }
 
@@ -144,7 +149,8 @@ pub(super) fn scan(
         ranges.push(run);
     }
     let (plane, bias, steepest) = (front.plane, front.bias, search.steepest);
-    let ground = Ground { map, y, plane, bias, behind, steepest, shift: front.shift };
+    let (shift, neighbours) = (front.shift, search.neighbours);
+    let ground = Ground { map, y, plane, bias, behind, steepest, shift, neighbours };
     for columns in ranges {
         runs.push(Run::new(ops, &ground, columns.clone(), search, contacts));
     }

@@ -11,6 +11,7 @@ use crate::{RectifiedLight, SampleViews};
 
 mod beside;
 mod contacts;
+mod cut;
 
 const LIGHT: [Vec3; 2] = [Vec3::new(-1.0, 4.0, 0.0), Vec3::new(1.0, 4.0, 0.0)];
 

@@ -10,20 +10,21 @@ use shadowmap_core::View;
 
 use super::{Log, Scene, ShadowStage};
 use crate::drawing::{Drawing, Viewer};
+use crate::lighting::Adapts;
 use crate::stats::timed;
 
 /// How much smaller along each axis the maps are that only ask whether a sample is missing.
 const TRIAL_REDUCTION: u32 = 2;
 
 impl ShadowStage {
-    /// Writes the visibility of a line whose maps have been drawn; draws more if it is to be
-    /// `adaptive`.
+    /// Writes the visibility of a line whose maps have been drawn; draws more for the frusta that
+    /// it `adapts` in.
     pub(super) fn by_intervals(
         &mut self,
         drawing: &mut Drawing,
         scene: &Scene<'_>,
         line: &RectifiedLight,
-        adaptive: bool,
+        adapts: Adapts,
         log: &mut Log<'_>,
         out: &mut [f32],
     ) {
@@ -35,8 +36,8 @@ impl ShadowStage {
                 (0..=last).map(|k| k as f32 / last as f32).collect()
             })
             .collect();
-        if adaptive {
-            for frustum in 0..parameters.len() {
+        for (frustum, views) in line.frusta().iter().enumerate() {
+            if adapts.in_frustum(views) {
                 self.adapt(drawing, scene, line, frustum, &mut parameters, log);
             }
         }
@@ -66,7 +67,7 @@ impl ShadowStage {
         let views = &line.frusta()[frustum];
         let first: usize = parameters[..frustum].iter().map(Vec::len).sum();
         let options = AdaptiveOptions::default();
-        let mut samples = AdaptiveSamples::new(options);
+        let mut samples = AdaptiveSamples::new(options).through_windows_of(views);
         let [width, height] = [views.views()[0].width(), views.views()[0].height()];
         let size = [width, height].map(|side| (side / TRIAL_REDUCTION).max(1));
         while let Some((segment, t)) = samples.trial() {
