@@ -78,7 +78,7 @@ pub(crate) use group::Scratch;
 use crate::MAX_FRUSTA;
 use crate::kernels::{Job, run};
 use bounds::{BAND, Bounds};
-use frame::{Frustum, point};
+use frame::Frustum;
 
 /// The bias of interval visibility.
 ///
@@ -185,7 +185,7 @@ fn frame<'a>(
         *slot = Some(Frustum::new(camera.view(), maps, own));
         bounds = rest;
     }
-    Frame { camera: *camera, frusta: of_frusta, ends: frusta[0].views.ends().map(point), bias }
+    Frame::new(camera, of_frusta, frusta[0].views.ends(), bias)
 }
 
 /// Panics unless the maps fit their views.

@@ -10,7 +10,7 @@ use alloc::{vec, vec::Vec};
 
 use shadowmap_core::{Camera, DepthMap};
 
-use super::frame::{Facing, Frame, Frustum, FrustumMaps, UNKNOWN, point};
+use super::frame::{Facing, Frame, Frustum, FrustumMaps, UNKNOWN};
 use super::run::{Probe, Vertex};
 use super::scan::REACH;
 use super::search::{MapSearch, Tilt};
@@ -155,8 +155,7 @@ pub fn disagreement(
     check(frusta);
     let maps = &frusta[index];
     let frustum = Frustum::new(camera.view(), maps, &[]);
-    let ends = maps.views.ends().map(point);
-    let frame = Frame { camera: *camera, frusta: [None; MAX_FRUSTA], ends, bias: INTERVAL_BIAS };
+    let frame = Frame::new(camera, [None; MAX_FRUSTA], maps.views.ends(), INTERVAL_BIAS);
     let nearest = map.nearness().iter().fold(0.0_f32, |most, &n| most.max(n));
     let trial = Trial { frame: &frame, frustum: &frustum, segment, t, map, nearest };
     let stride = options.stride.max(1) as usize;

@@ -27,6 +27,9 @@ pub struct FrustumMaps<'a> {
     pub samples: &'a [SampleMap<'a>],
 }
 
+/// How far off rounding may put a receiver, of the largest coordinate at hand.
+const ROUNDING: f32 = 1e-6;
+
 /// A frustum of the light as the kernels use it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frustum<'a> {
@@ -111,6 +114,24 @@ pub(crate) struct Frame<'a> {
     /// The ends of the light, homogeneous.
     pub ends: [[f32; 4]; 2],
     pub bias: Bias,
+    /// How high above a receiver's plane, if its normal has unit length, rounding may put an end
+    /// that lies in it.
+    pub(super) rounding: f32,
+}
+
+impl<'a> Frame<'a> {
+    pub(super) fn new(
+        camera: &Camera<'a>,
+        frusta: [Option<Frustum<'a>>; MAX_FRUSTA],
+        ends: [Vec3; 2],
+        bias: Bias,
+    ) -> Frame<'a> {
+        let ends = ends.map(|end| end.extend(1.0).to_array());
+        let [a, b] = ends;
+        let places = [camera.view().eye(), a, b];
+        let farthest = places.as_flattened().iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        Frame { camera: *camera, frusta, ends, bias, rounding: ROUNDING * farthest }
+    }
 }
 
 /// The plane of receivers whose plane is not known: they count as parallel to the maps' image, and
@@ -138,6 +159,11 @@ impl Facing {
         if plane == UNKNOWN || !(a.is_finite() && b.is_finite()) {
             return Some(Facing { plane: UNKNOWN, ends: [1.0; 2], horizon: [0.0, 1.0] });
         }
+        // Rounding would decide which points of a plane see a light that lies in it: none does.
+        let [x, y, z, _] = plane.0;
+        if a.max(b) <= frame.rounding * (x.abs() + y.abs() + z.abs()) {
+            return None;
+        }
         let horizon = match (a > 0.0, b > 0.0) {
             (true, true) => [0.0, 1.0],
             (true, false) => [0.0, a / (a - b)],
@@ -151,9 +177,4 @@ impl Facing {
     pub fn open(&self) -> f32 {
         self.horizon[1] - self.horizon[0]
     }
-}
-
-/// A homogeneous point.
-pub(super) fn point(p: Vec3) -> [f32; 4] {
-    p.extend(1.0).to_array()
 }

@@ -178,6 +178,35 @@ fn what_lies_below_the_horizon_is_not_seen() {
     }
 }
 
+#[test]
+fn a_light_in_the_plane_of_a_wall_is_not_seen_from_there() {
+    let v = Vec3::new;
+    for (cos, sin) in [(1.0, 0.0), (0.96, 0.28), (0.8, 0.6), (0.28, -0.96)] {
+        // The wall's plane turns around the y axis, and the camera and the light with it.
+        let at = |along: f32, y: f32, off: f32| {
+            v(cos * along - sin * off, y, sin * along + cos * off) + v(0.7, 0.0, 1.3)
+        };
+        let scene = Scene::new(&[[at(-2.0, 0.0, 0.0), at(-2.0, 3.0, 0.0), at(2.0, 3.0, 0.0)]]);
+        let eye = at(0.5, 2.0, 8.0);
+        let view = View::perspective(eye, at(0.0, 1.5, 0.0), Vec3::Y, 0.4, 65, 49, 0.1);
+        let camera_map = scene.draw(core::slice::from_ref(&view), Payload::TriangleIndex);
+        let surfaces = Surfaces::Table(&scene.table);
+        let camera = Camera::new(&view, camera_map[0].as_depth_map(), surfaces).unwrap();
+        for (off, expected) in [(-0.001, 0.0), (0.0, 0.0), (0.001, 1.0)] {
+            let [a, b] = [at(3.0, 0.5, off), at(3.0, 4.0, off)];
+            let views = RectifiedLight::fit(a, b, 2, [128; 2], scene.positions.iter().copied());
+            let maps = scene.draw(views.frusta()[0].views(), Payload::ObjectId);
+            let samples = samples(&maps);
+            let maps = FrustumMaps { views: &views.frusta()[0], samples: &samples };
+            let out = visibility(Level::detect(), Threads::One, &camera, maps);
+            let seen = out.iter().zip(camera.map().nearness()).filter(|(_, n)| **n > 0.0);
+            assert!(seen.clone().count() > 1000);
+            let wrong = seen.filter(|(seen, _)| **seen != expected).count();
+            assert_eq!(wrong, 0, "turned by ({cos}, {sin}), light {off} m in front");
+        }
+    }
+}
+
 /// Slats at many heights and angles above a ground.
 fn slats() -> Scene {
     let v = Vec3::new;
