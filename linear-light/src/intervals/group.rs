@@ -182,42 +182,25 @@ impl Group {
         frustum: &Frustum<'_>,
         scratch: &mut Scratch,
     ) -> bool {
-        if frustum.is_cut {
-            let mut samples = 0..frustum.samples.len();
-            return samples.all(|sample| {
-                self.is_clear(ops, frame, frustum, scratch, sample, frustum.span(sample))
-            });
-        }
         let [a, b] = self.facing.ends;
-        let sample = if a >= b { 0 } else { frustum.samples.len() - 1 };
-        self.is_clear(ops, frame, frustum, scratch, sample, [0.0, 1.0])
-    }
-
-    /// Whether the map of a sample shows nothing in front of the plane that could hide any of a
-    /// part of the light.
-    #[inline(always)]
-    fn is_clear(
-        &self,
-        ops: impl Ops,
-        frame: &Frame<'_>,
-        frustum: &Frustum<'_>,
-        scratch: &mut Scratch,
-        sample: usize,
-        span: [f32; 2],
-    ) -> bool {
-        let map = self.map_search(frame, frustum, frustum.samples[sample].t, span);
-        let search = map.among_bounds(frustum, &self.extent, &self.tilt);
-        for band in self.rows[0] / BAND..=self.rows[1] / BAND {
-            scratch.found.clear();
-            frustum.bounds[sample].search(ops, band, &search, &mut scratch.found);
-            let map = &frustum.samples[sample].map;
-            let rows = self.rows_in(band);
-            if scratch
-                .found
-                .iter()
-                .any(|&found| any_in_front(ops, map, found, rows.clone(), &search))
-            {
-                return false;
+        let end = if a >= b { 0 } else { frustum.samples.len() - 1 };
+        let samples = if frustum.is_cut { 0..frustum.samples.len() } else { end..end + 1 };
+        for sample in samples {
+            let span = if frustum.is_cut { frustum.span(sample) } else { [0.0, 1.0] };
+            let map = self.map_search(frame, frustum, frustum.samples[sample].t, span);
+            let search = map.among_bounds(frustum, &self.extent, &self.tilt);
+            for band in self.rows[0] / BAND..=self.rows[1] / BAND {
+                scratch.found.clear();
+                frustum.bounds[sample].search(ops, band, &search, &mut scratch.found);
+                let map = &frustum.samples[sample].map;
+                let rows = self.rows_in(band);
+                if scratch
+                    .found
+                    .iter()
+                    .any(|&found| any_in_front(ops, map, found, rows.clone(), &search))
+                {
+                    return false;
+                }
             }
         }
         true
