@@ -141,7 +141,11 @@ impl SampleViews {
     /// fitted one is cut, and what blocks may lie beside it.
     #[must_use]
     pub fn is_cut(&self) -> bool {
-        f64::from(self.window.right.max(-self.window.left)) >= crate::MAX_TANGENT
+        self.widest() >= crate::MAX_TANGENT
+    }
+    /// The tangent of the direction along the light that is farthest out in the window.
+    pub(crate) fn widest(&self) -> f64 {
+        f64::from(self.window.right.max(-self.window.left))
     }
     /// Texels that a point of nearness 1 moves along its row, to the left, from one sample's map
     /// to the next.

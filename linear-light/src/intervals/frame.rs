@@ -73,7 +73,7 @@ impl<'a> Frustum<'a> {
             |plane: Plane| [0, 1, 2, 3].map(|column| plane.side_of(pull.map(|row| row[column])));
         let window = maps.views.window();
         let center = -window.left * focal.x;
-        let is_last = f64::from(window.right.max(-window.left)) >= LAST_TANGENT;
+        let is_last = maps.views.widest() >= LAST_TANGENT;
         // Half a texel inside the map.
         let last = center.max(middle.width() as f32 - center) - 0.5;
         let beyond = maps.views.beyond().map(|planes| Beyond {

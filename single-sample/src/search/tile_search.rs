@@ -82,12 +82,8 @@ impl<T: Texel> SearchTile<'_, T> {
     #[inline(always)]
     fn needed(&self) -> Bits {
         let groups = &self.outlines.groups;
-        rows_of_bits(
-            &self
-                .groups
-                .pixels_of(|group| groups[group].is_some_and(|outline| outline.part.is_some()))
-                .map(u8::from),
-        )
+        let is_kept = |group: usize| groups[group].is_some_and(|outline| outline.part.is_some());
+        rows_of_bits(&self.groups.pixels_of(is_kept).map(u8::from))
     }
 
     /// Which pixels are in shadow by the hard shadow test.
@@ -131,9 +127,9 @@ impl<T: Texel> SearchTile<'_, T> {
         Sample { blocked: self.blocked(&receiver, &sum, hidden), disc: sum.disc }
     }
 
-    /// Searches all pixels of a group whose outline is too long to be kept: a part of it that is not
-    /// hides something of each pixel's disc, and is forgotten. To find it again for the pixels that are
-    /// asked for after others would take longer.
+    /// Searches all pixels of a group whose outline is too long to be kept. Part by part it is found
+    /// again, hides something of each pixel's disc, and is forgotten: to find it once more whenever
+    /// other pixels are asked for would take longer.
     #[inline(always)]
     fn search_in_parts(&mut self, ops: &impl Ops, group: usize, outline: &Outline) {
         let mut searched = List::<Partly, COUNT>::new(Partly::NONE);
@@ -161,7 +157,7 @@ impl<T: Texel> SearchTile<'_, T> {
             let mut trace =
                 Trace { geometry, field, pyramid, greatest, leaves, above, pieces, spare: 0 };
             match trace.outline(ops, &extent, &reach, &planes, places) {
-                Traced::Nothing => continue,
+                Traced::Nothing => {}
                 Traced::NoRoom => {
                     for half in places.halves() {
                         left.push(half);

@@ -30,7 +30,6 @@ pub(crate) struct Trace<'a, T> {
 }
 
 /// What became of an outline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Traced {
     /// Surely nothing blocks.
     Nothing,
